@@ -1,0 +1,24 @@
+/* surface_io.h - reads and writes surfaces: OBJ, PLY (ASCII, binary), STL (ASCII, binary), OFF. Independent of locale.
+ *
+ * Reading: the format follows the extension (.obj .ply .stl .off, any case); ASCII or binary follows the contents. Quads and polygons
+ * are cut into triangles as a fan from their first corner, a concave planar polygon by ear clipping. STL corners that are bit-equal are welded. Vertices that no
+ * face uses are kept. Texture coordinates, normals, colours, groups and materials are passed over. A negative OBJ
+ * index counts from the last vertex read.
+ * Errors: SN_EIO (cannot open or read), SN_EFORMAT (contents; "path:line: ..." for text, "path: ... at byte N" for
+ * binary: truncated, an index out of range, a number that is not finite, no faces, a binary STL whose size does not
+ * fit its count), SN_EINVAL (extension unknown: the message lists the known ones), SN_ENOMEM. *out is then empty. */
+#ifndef SN_MESH_SURFACE_IO_H
+#define SN_MESH_SURFACE_IO_H
+
+#include "mesh/tri_mesh.h"
+
+#include <stdbool.h>
+
+SN_MUST_USE sn_status sn_surface_load(sn_tri_mesh *out, const char *path, sn_error *err);
+/* Writes by extension: .obj and .off as text, .ply and .stl as little-endian binary (PLY with doubles, STL with its
+ * floats). All or nothing: on error no file appears and an old one stays. Errors: SN_EIO, SN_EINVAL. */
+SN_MUST_USE sn_status sn_surface_save(const sn_tri_mesh *m, const char *path, sn_error *err);
+/* The same, with the text form where the format has two (PLY, STL). */
+SN_MUST_USE sn_status sn_surface_save_ascii(const sn_tri_mesh *m, const char *path, sn_error *err);
+
+#endif
