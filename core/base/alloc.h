@@ -3,9 +3,13 @@
 #ifndef SN_BASE_ALLOC_H
 #define SN_BASE_ALLOC_H
 
+#include "base/status.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+SN_BEGIN_DECLS
 
 /* n * size bytes, not initialised; NULL when memory is short or n * size overflows. n = 0 gives a valid pointer. */
 void *sn_alloc(size_t n, size_t size);
@@ -40,5 +44,7 @@ static inline int32_t sn_to_i32(size_t n, bool *ok)
     }
     return (int32_t)n;
 }
+
+SN_END_DECLS
 
 #endif

@@ -5,6 +5,14 @@
 #ifndef SN_BASE_STATUS_H
 #define SN_BASE_STATUS_H
 
+#ifdef __cplusplus /* every header that C++ code may include wraps its functions in these */
+#define SN_BEGIN_DECLS extern "C" {
+#define SN_END_DECLS }
+#else
+#define SN_BEGIN_DECLS
+#define SN_END_DECLS
+#endif
+
 #if defined(__GNUC__)
 #define SN_MUST_USE __attribute__((warn_unused_result))
 #define SN_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
@@ -32,10 +40,14 @@ typedef struct sn_error {
     char msg[512]; /* one line, no final newline, always 0-terminated */
 } sn_error;
 
+SN_BEGIN_DECLS
+
 /* Fills *err (NULL allowed) and returns code, so that `return sn_fail(err, SN_EINVAL, "...")` reads well. */
 sn_status sn_fail(sn_error *err, sn_status code, const char *fmt, ...) SN_PRINTF(3, 4);
 
 /* Puts text before the message that *err already holds ("bone 'femur': " + ...). Returns err->code. */
 sn_status sn_fail_prefix(sn_error *err, sn_status code, const char *fmt, ...) SN_PRINTF(3, 4);
+
+SN_END_DECLS
 
 #endif

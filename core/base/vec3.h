@@ -95,7 +95,8 @@ static inline sn_box3 sn_box3_add(sn_box3 b, sn_vec3 p)
 }
 static inline sn_box3 sn_box3_merge(sn_box3 a, sn_box3 b)
 {
-    return sn_box3_add(sn_box3_add(a, b.min), b.max);
+    return (sn_box3){{fmin(a.min.x, b.min.x), fmin(a.min.y, b.min.y), fmin(a.min.z, b.min.z)},
+                     {fmax(a.max.x, b.max.x), fmax(a.max.y, b.max.y), fmax(a.max.z, b.max.z)}};
 }
 static inline bool sn_box3_is_empty(sn_box3 b)
 {

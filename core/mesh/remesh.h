@@ -14,7 +14,7 @@ typedef struct sn_remesh {
     const double *label_length;   /* n_label targets by face label, or NULL                */
     int32_t n_label;
     int iterations;               /* 0: the default of 6                                   */
-    double max_deviation;         /* how far faces may leave the input, as a fraction of the target length; 0: 0.15 */
+    double max_deviation;         /* how far faces may leave the input, as a fraction of the target length; 0: 0.08 */
 } sn_remesh;
 
 typedef struct sn_remesh_report {

@@ -11,6 +11,8 @@
 
 #include <stdint.h>
 
+SN_BEGIN_DECLS
+
 typedef struct sn_tet_mesh { /* open: kernels read the arrays directly */
     double *pos;             /* n_vert x 3, row-major, owned                          */
     int32_t *tet;            /* n_tet x 4, each in [0, n_vert), owned                 */
@@ -49,5 +51,7 @@ extern const int sn_tet_edge[6][2];
  * in index order. v_map (NULL to skip): n_vert of the result, the tet mesh's vertex; by sn_alloc, the caller's. */
 SN_MUST_USE sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map,
                                           sn_error *err);
+
+SN_END_DECLS
 
 #endif

@@ -9,6 +9,8 @@
 
 #include <stdint.h>
 
+SN_BEGIN_DECLS
+
 typedef struct sn_tri_mesh { /* open: kernels read the arrays directly */
     double *pos;             /* n_vert x 3, row-major, owned                                       */
     int32_t *face;           /* n_face x 3, each in [0, n_vert), owned                             */
@@ -50,5 +52,7 @@ SN_MUST_USE sn_status sn_tri_mesh_mirror(sn_tri_mesh *m, sn_vec3 point, sn_vec3 
 /* Joins vertices with bit-equal coordinates (-0 equals 0) into the first of them, in place; order is kept.
  * Unused vertices stay. n_joined (NULL to skip) receives how many went. Errors: SN_ENOMEM (m unchanged). */
 SN_MUST_USE sn_status sn_tri_mesh_weld(sn_tri_mesh *m, int32_t *n_joined, sn_error *err);
+
+SN_END_DECLS
 
 #endif

@@ -10,7 +10,7 @@
 #define SN_IMAGE_MAX_SIDE 16384 /* pixels; libpng's and OSMesa's limits are near */
 
 typedef struct sn_image {
-    uint8_t *rgba;   /* height x width x 4, straight alpha, owned */
+    uint8_t *rgba; /* height x width x 4, straight alpha, owned */
     int32_t width, height;
 } sn_image;
 
@@ -23,21 +23,26 @@ typedef struct sn_image_text { /* a tEXt chunk: key 1..79 Latin-1 characters */
     const char *key, *text;
 } sn_image_text;
 
-/* Any PNG (palette, grey, 16-bit, interlaced) becomes RGBA8. Errors: SN_EIO, SN_EFORMAT, SN_ENOMEM, SN_ELIMIT (too large). */
+/* Any PNG (palette, grey, 16-bit, interlaced) becomes RGBA8; colour profiles are ignored. out is init-ed; on
+ * error it is empty. Errors: SN_EIO, SN_EFORMAT (not a PNG, damaged, cut short), SN_ENOMEM, SN_ELIMIT (a side
+ * above SN_IMAGE_MAX_SIDE: names both sides). */
 SN_MUST_USE sn_status sn_image_load(sn_image *out, const char *path, sn_error *err);
-/* All or nothing (base/file.h). No time stamp: the same picture gives the same bytes. Errors: SN_EIO, SN_EINVAL (not .png). */
-SN_MUST_USE sn_status sn_image_save(const sn_image *m, const sn_image_text *text, int n_text, const char *path,
-                                    sn_error *err);
+/* All or nothing (base/file.h). No time stamp: the same picture gives the same bytes. text: n_text chunks in
+ * this order, NULL when n_text is 0. Errors: SN_EIO, SN_ENOMEM, SN_EINVAL (not .png, no pixels, a key that
+ * PNG does not allow). */
+SN_MUST_USE sn_status sn_image_save(const sn_image *m, const sn_image_text *text, int n_text,
+                                    const char *path, sn_error *err);
 
 typedef struct sn_image_diff {
-    bool equal;          /* max <= limit.max or count <= limit.count                          */
-    int32_t max;         /* largest difference in any channel                                 */
-    int64_t count;       /* pixels with a difference above limit.max                          */
-    double rmse;         /* over all channels, 0..255                                         */
+    bool equal;    /* count <= max_count                                                */
+    int32_t max;   /* largest difference in any channel, alpha included                 */
+    int64_t count; /* pixels with a difference above max_diff in some channel           */
+    double rmse;   /* over all channels, 0..255                                         */
 } sn_image_diff;
-/* equal: no more than max_count pixels differ by more than max_diff in a channel. diff (NULL to skip): init-ed; grey where equal,
- * red by the size of the difference. Errors: SN_EINVAL (sizes differ: says both), SN_ENOMEM. */
-SN_MUST_USE sn_status sn_image_compare(const sn_image *a, const sn_image *b, int32_t max_diff, int64_t max_count,
-                                       sn_image_diff *out, sn_image *diff, sn_error *err);
+/* equal: no more than max_count pixels differ by more than max_diff in a channel. diff (NULL to skip):
+ * init-ed; a pale grey copy of a where the pixels are the same, red by the size of the difference elsewhere.
+ * Errors: SN_EINVAL (sizes differ: says both; a limit below 0), SN_ENOMEM. */
+SN_MUST_USE sn_status sn_image_compare(const sn_image *a, const sn_image *b, int32_t max_diff,
+                                       int64_t max_count, sn_image_diff *out, sn_image *diff, sn_error *err);
 
 #endif

@@ -1,8 +1,9 @@
 /* picture.h - draws a body: muscles ray-cast from the tissue fields, bones, translucent skin, curves.
  *
- * Muscle surfaces are not meshed: each tet that can show a surface is drawn and its fragment shader finds the first
- * change from fat to a muscle along the ray, exactly: all fields are linear inside a tet, so it is the smallest root of
- * f_i - f_fat over the tet's candidate muscles [A 3.6]. Tets with one tissue only are never sent. */
+ * Muscle surfaces are not meshed: each tet that can show a surface is drawn and its fragment shader finds the
+ * first change from fat to a muscle along the ray, exactly: all fields are linear inside a tet, so it is the
+ * smallest root of f_i - f_fat over the tet's candidate muscles [A 3.6]. Tets with one tissue only are never
+ * sent. */
 #ifndef SN_RENDER_PICTURE_H
 #define SN_RENDER_PICTURE_H
 
@@ -16,14 +17,14 @@ typedef struct sn_rgb {
     float r, g, b; /* sRGB values 0..1, as an artist picks them */
 } sn_rgb;
 
-/* The colour of muscle i_muscle (0-based, in the order added): distinct neighbours, flesh-like but clearly different, the
- * same for ever. */
+/* The colour of muscle i_muscle (0-based, in the order added): distinct neighbours, flesh-like but clearly
+ * different, the same for ever. */
 sn_rgb sn_muscle_color(int32_t i_muscle);
 
 typedef struct sn_picture_curve {
-    const double *point;      /* n_point x 3: the curve as drawn (already sampled)  */
+    const double *point; /* n_point x 3: the curve as drawn (already sampled)  */
     int32_t n_point;
-    const double *control;    /* n_control x 3, the control points                  */
+    const double *control; /* n_control x 3, the control points                  */
     int32_t n_control;
     sn_rgb color;
 } sn_picture_curve;
@@ -34,33 +35,34 @@ typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised
     int32_t n_tissue;             /* 1 + number of muscles                                            */
     const sn_tri_mesh *const *bone;
     int32_t n_bone;
-    const sn_tri_mesh *skin;      /* NULL: none */
+    const sn_tri_mesh *skin; /* NULL: none */
     const sn_picture_curve *curve;
     int32_t n_curve;
-    double unit;                  /* a length of the scene (box diagonal) that line widths etc. may use */
+    double unit; /* a length of the scene (box diagonal) that line widths etc. may use */
 } sn_picture_scene;
 
 typedef struct sn_picture_options {
     sn_camera camera;
     int32_t width, height;
     bool show_muscles, show_bones, show_skin, show_curves, show_points;
-    bool has_clip;                /* removes what lies on the side the normal points to; the cut shows the tissues */
+    bool has_clip; /* removes what lies on the side the normal points to; the cut shows the tissues */
     sn_vec3 clip_point, clip_normal;
-    float background[4];          /* RGBA, straight alpha, 0..1 */
-    double skin_opacity;          /* 0..1, of the skin seen face on */
-    int32_t samples;              /* anti-aliasing: samples per pixel side, 1..4; 0: 2 */
+    float background[4]; /* RGBA, straight alpha, 0..1 */
+    double skin_opacity; /* 0..1, of the skin seen face on */
+    int32_t samples;     /* anti-aliasing: samples per pixel side, 1..4; 0: 2 */
 } sn_picture_options;
 
 typedef struct sn_picture_stats {
-    int64_t tets_sent;            /* tets drawn of all */
+    int64_t tets_sent; /* tets drawn of all */
     double seconds;
     char renderer[160];
-    bool is_blank;                /* every pixel is the background */
+    bool is_blank; /* every pixel is the background */
 } sn_picture_stats;
 
 /* Draws into *out (init-ed). The same input on the same machine gives the same pixels. stats: NULL to skip.
  * Errors: SN_EINVAL (size, camera), SN_ERENDER (context, shader: with GL's log), SN_ENOMEM, SN_ECANCEL. */
-SN_MUST_USE sn_status sn_picture_draw(const sn_picture_scene *s, const sn_picture_options *opt, const sn_run *run,
-                                      sn_image *out, sn_picture_stats *stats, sn_error *err);
+SN_MUST_USE sn_status sn_picture_draw(const sn_picture_scene *s, const sn_picture_options *opt,
+                                      const sn_run *run, sn_image *out, sn_picture_stats *stats,
+                                      sn_error *err);
 
 #endif

@@ -1,0 +1,130 @@
+/* io_private.h - what the mesh readers and writers share: a scanner over a file in memory, a mesh that grows,
+ * and the list of formats. For surface_io.c, tet_io.c and io_*.c only. */
+#ifndef SN_MESH_IO_PRIVATE_H
+#define SN_MESH_IO_PRIVATE_H
+
+#include "base/file.h"
+#include "mesh/tet_io.h"
+#include "mesh/tet_mesh.h"
+#include "mesh/tri_mesh.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---- Scanner: text, or the bytes of a binary file. '\n', "\r\n" and '\r' end a line. ---- */
+
+typedef struct sn_scan {
+    const char *start, *p,
+        *end;         /* the character at end stops any number; 0 bytes before it are ordinary text */
+    const char *path; /* for messages; borrowed                                    */
+    bool by_line;     /* numbers and words are looked for on the current line only */
+    bool has_joins;   /* a backslash before a line end joins two lines             */
+    char comment;     /* starts a comment up to the line end; 0: there are none    */
+} sn_scan;
+
+typedef struct sn_word { /* borrowed from the file */
+    const char *s;
+    size_t n;
+} sn_word;
+
+/* Reads the file; *data is the caller's to sn_release. Every flag of *s is off. */
+SN_MUST_USE sn_status sn_scan_open(sn_scan *s, const char *path, char **data, sn_error *err);
+void sn_scan_blanks(sn_scan *s);              /* to the next character on this line that is not blank     */
+bool sn_scan_at_eol(sn_scan *s);              /* skips blanks first; a comment and the file's end count   */
+void sn_scan_next_line(sn_scan *s);           /* to the first character of the next line                  */
+bool sn_scan_more(sn_scan *s);                /* skips blanks, comments, line ends; false at the file's end */
+bool sn_scan_ends(const sn_scan *s);          /* is *p no part of a word                                  */
+sn_word sn_scan_word(sn_scan *s);             /* the next word; n = 0 when there is none                  */
+bool sn_word_is(sn_word w, const char *text); /* exactly                  */
+bool sn_word_is_nocase(sn_word w, const char *lower); /* in any case; ASCII only  */
+/* The word for a message: shortened, without control characters. */
+#define SN_SHOWN_SIZE 36
+void sn_word_show(char out[SN_SHOWN_SIZE], sn_word w);
+/* Digits with a sign, from *p on, with anything behind; false and *p unmoved when there are none. Saturates.
+ */
+bool sn_scan_digits(sn_scan *s, int64_t *v);
+/* A whole word each. `what` completes "need ...". On error *p is at the word that is wrong. Errors:
+ * SN_EFORMAT. */
+SN_MUST_USE sn_status sn_scan_int(sn_scan *s, int64_t *v, const char *what, sn_error *err);
+SN_MUST_USE sn_status sn_scan_number(sn_scan *s, double *v, const char *what,
+                                     sn_error *err);                         /* also nan, inf */
+SN_MUST_USE sn_status sn_scan_point(sn_scan *s, double p[3], sn_error *err); /* finite        */
+/* SN_EFORMAT "path:line: need <what>, found '<the word at *p>'". */
+sn_status sn_scan_want(const sn_scan *s, const char *what, sn_error *err);
+/* SN_EFORMAT "path:line: ..." with the line of *p. */
+sn_status sn_scan_fail(const sn_scan *s, sn_error *err, const char *fmt, ...) SN_PRINTF(3, 4);
+/* Offsets into the file and back. */
+static inline size_t sn_scan_at(const sn_scan *s)
+{
+    return (size_t)(s->p - s->start);
+}
+static inline size_t sn_scan_left(const sn_scan *s)
+{
+    return (size_t)(s->end - s->p);
+}
+
+/* ---- Builder: vertices and cells in file order. Cells may name vertices that come later. ---- */
+
+typedef struct sn_builder {
+    const char *path; /* for messages; borrowed */
+    double *pos;      /* three for each vertex  */
+    int32_t *corner;  /* of all cells in a row  */
+    int32_t *tag;     /* for each cell: its number of corners (surfaces) or its part, -1 for none (tets) */
+    size_t n_pos, cap_pos, n_corner, cap_corner, n_cell, cap_cell;
+    int64_t worst;   /* the corner that is furthest out of range, or the largest one */
+    size_t worst_at; /* the file offset it was read from                             */
+} sn_builder;
+
+void sn_build_init(sn_builder *b, const char *path);
+void sn_build_free(sn_builder *b);
+SN_MUST_USE sn_status sn_build_point(sn_builder *b, const double p[3], sn_error *err);
+/* Any index is taken; the range is checked at the end, with sn_build_in_range. */
+SN_MUST_USE sn_status sn_build_corner(sn_builder *b, int64_t index, size_t at, sn_error *err);
+SN_MUST_USE sn_status sn_build_cell(sn_builder *b, int32_t tag, sn_error *err); /* ends a cell */
+static inline size_t sn_build_n_vert(const sn_builder *b)
+{
+    return b->n_pos / 3;
+}
+bool sn_build_in_range(const sn_builder *b); /* every corner names a vertex, or there is no cell */
+/* SN_EFORMAT when a corner is out of range: "face names vertex ...", counted from `base`, with the line it is
+ * on. */
+SN_MUST_USE sn_status sn_build_check(const sn_builder *b, sn_scan *s, const char *cell, int base,
+                                     sn_error *err);
+/* Hand the result over and leave *b empty. Corners must be in range.
+ * Surfaces: polygons are cut (see surface_io.h). Tets: inside-out ones are turned; parts are kept when no tag
+ * is < 0. Errors: SN_EFORMAT (no cells, too many, a tet without volume, a huge concave polygon), SN_ENOMEM;
+ * out is empty. */
+SN_MUST_USE sn_status sn_build_surface(sn_builder *b, sn_tri_mesh *out, sn_error *err);
+SN_MUST_USE sn_status sn_build_tets(sn_builder *b, sn_tet_mesh *out, sn_error *err);
+
+/* Cuts polygon v (n >= 3 corners) into n - 2 triangles. work: room for 2 n. Not for n > SN_POLYGON_MAX unless
+ * the polygon is convex: returns false then. */
+#define SN_POLYGON_MAX 1024
+bool sn_polygon_cut(const double *pos, const int32_t *v, int32_t n, int32_t *tri, int32_t *work);
+
+/* ---- Formats. Readers fill a builder; their corners have been checked. Writers get a mesh that is valid.
+ * ---- */
+
+SN_MUST_USE sn_status sn_obj_read(sn_builder *b, sn_scan *s, sn_error *err);
+SN_MUST_USE sn_status sn_ply_read(sn_builder *b, sn_scan *s, sn_error *err);
+SN_MUST_USE sn_status sn_stl_read(sn_builder *b, sn_scan *s, sn_error *err); /* corners not shared */
+SN_MUST_USE sn_status sn_off_read(sn_builder *b, sn_scan *s, sn_error *err);
+void sn_obj_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
+void sn_ply_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
+void sn_stl_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
+void sn_off_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
+
+SN_MUST_USE sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err);
+SN_MUST_USE sn_status sn_medit_read(sn_builder *b, sn_scan *s, sn_error *err);
+/* s: the file named by the caller, .node or .ele; reads the other one itself. */
+SN_MUST_USE sn_status sn_tetgen_read(sn_builder *b, sn_scan *s, sn_error *err);
+SN_MUST_USE sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err);
+SN_MUST_USE sn_status sn_medit_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err);
+SN_MUST_USE sn_status sn_gmsh_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err);
+/* The name of a part: the one given, or "part<i>", made in `room`. */
+const char *sn_tet_part_name(const sn_tet_extras *x, int32_t i_part, char room[24]);
+/* Writes a line of numbers with blanks between them. */
+void sn_out_doubles(sn_out *o, const double *v, int n);
+
+#endif

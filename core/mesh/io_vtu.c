@@ -1,0 +1,516 @@
+/* io_vtu.c - VTK XML unstructured grids (.vtu), with inline base64 or text arrays. */
+#include "mesh/io_private.h"
+
+#include "base/alloc.h"
+
+#include <string.h>
+
+enum { VTK_TETRA = 10 };
+
+static bool host_is_big(void)
+{
+    const uint16_t one = 1;
+    unsigned char first;
+    memcpy(&first, &one, 1);
+    return first == 0;
+}
+
+typedef enum vtk_type { I8, U8, I16, U16, I32, U32, I64, U64, F32, F64, NO_TYPE } vtk_type;
+static const char *const type_name[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                        "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+static const size_t type_size[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+
+/* ---- Reading ---- */
+
+typedef struct tag {
+    sn_word name;
+    const char *attr, *end; /* the attributes */
+    bool closes, is_empty;  /* </name>, <name/> */
+} tag;
+
+typedef struct values { /* an array of the file, as doubles */
+    double *v;
+    size_t n;
+    bool is_there;
+} values;
+
+typedef struct vtu {
+    sn_scan *s;
+    bool is_big, has_long_header;
+    bool in_piece;
+    sn_word section; /* the element that holds the arrays: Points, Cells, CellData, ... */
+    values point, corner, offset, type, part;
+} vtu;
+
+/* Steps over what begins with `open` and ends with `close`; false when it is not there. */
+static bool skip_block(sn_scan *s, const char *open, const char *close)
+{
+    size_t n = strlen(open), m = strlen(close);
+    if (sn_scan_left(s) < n || memcmp(s->p, open, n) != 0) return false;
+    for (s->p += n; sn_scan_left(s) >= m && memcmp(s->p, close, m) != 0;) s->p++;
+    s->p = sn_scan_left(s) >= m ? s->p + m : s->end;
+    return true;
+}
+
+static bool is_name_char(char c)
+{
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == ':';
+}
+
+/* The next tag; false at the end of the file. */
+static sn_status next_tag(sn_scan *s, tag *t, bool *is_there, sn_error *err)
+{
+    *is_there = false;
+    do {
+        s->p = s->p < s->end ? memchr(s->p, '<', sn_scan_left(s)) : NULL;
+        if (!s->p) {
+            s->p = s->end;
+            return SN_OK;
+        }
+    } while (skip_block(s, "<!--", "-->") || skip_block(s, "<?", "?>") || skip_block(s, "<!", ">"));
+    sn_scan here = *s;
+    *t = (tag){.closes = *++s->p == '/'};
+    if (t->closes) s->p++;
+    t->name.s = s->p;
+    while (s->p < s->end && is_name_char(*s->p)) s->p++;
+    t->name.n = (size_t)(s->p - t->name.s);
+    t->attr = s->p;
+    for (char quote = 0; s->p < s->end && (quote || *s->p != '>'); s->p++) {
+        if (quote ? *s->p == quote : *s->p == '"' || *s->p == '\'') quote = quote ? 0 : *s->p;
+    }
+    if (s->p >= s->end) return sn_scan_fail(&here, err, "truncated: a tag without an end");
+    t->is_empty = s->p > t->attr && s->p[-1] == '/';
+    t->end = s->p++ - t->is_empty;
+    *is_there = true;
+    return SN_OK;
+}
+
+/* The value of an attribute; n = 0 when it is missing. */
+static sn_word attribute(const tag *t, const char *key)
+{
+    size_t n = strlen(key);
+    for (const char *p = t->attr; p < t->end;) {
+        while (p < t->end && !is_name_char(*p)) p++;
+        const char *name = p;
+        while (p < t->end && is_name_char(*p)) p++;
+        size_t n_name = (size_t)(p - name);
+        while (p < t->end && *p != '"' && *p != '\'') p++;
+        if (p >= t->end) break;
+        const char *value = p + 1, *close = memchr(value, *p, (size_t)(t->end - value));
+        if (!close) break;
+        if (n_name == n && memcmp(name, key, n) == 0) return (sn_word){value, (size_t)(close - value)};
+        p = close + 1;
+    }
+    return (sn_word){t->attr, 0};
+}
+
+static vtk_type find_type(sn_word w)
+{
+    for (int t = 0; t < NO_TYPE; t++)
+        if (sn_word_is(w, type_name[t])) return (vtk_type)t;
+    return NO_TYPE;
+}
+
+static double decode(const unsigned char *p, vtk_type type, bool is_big)
+{
+    uint64_t u = 0;
+    size_t n = type_size[type];
+    for (size_t k = 0; k < n; k++) u |= (uint64_t)p[is_big ? n - 1 - k : k] << 8 * k;
+    float f;
+    double d;
+    uint32_t low = (uint32_t)u;
+    switch (type) {
+    case I8:
+        return (double)(int8_t)u;
+    case I16:
+        return (double)(int16_t)u;
+    case I32:
+        return (double)(int32_t)u;
+    case I64:
+        return (double)(int64_t)u;
+    case F32:
+        memcpy(&f, &low, sizeof f);
+        return (double)f;
+    case F64:
+        memcpy(&d, &u, sizeof d);
+        return d;
+    default:
+        return (double)u;
+    }
+}
+
+static int base64_digit(char c)
+{
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
+    return c == '+' ? 62 : c == '/' ? 63 : -1;
+}
+
+/* Decodes in place of out (room for 3/4 of the text). Padding inside the text is fine: some writers encode
+ * the header and the data one after the other. Returns the number of bytes; stops at what is no base64. */
+static size_t decode_base64(const char *p, const char *end, unsigned char *out)
+{
+    size_t n = 0;
+    uint32_t bits = 0;
+    int n_bits = 0;
+    for (; p < end; p++) {
+        int d = base64_digit(*p);
+        if (*p == '=') n_bits = 0; /* the rest of the group is padding */
+        if (d < 0 && *p != '=' && *p != ' ' && *p != '\n' && *p != '\r' && *p != '\t') break;
+        if (d < 0) continue;
+        bits = bits << 6 | (uint32_t)d;
+        n_bits += 6;
+        if (n_bits >= 8) out[n++] = (unsigned char)(bits >> (n_bits -= 8) & 0xFF);
+    }
+    return n;
+}
+
+static sn_status no_memory(const vtu *r, sn_error *err)
+{
+    return sn_fail(err, SN_ENOMEM, "%s: no memory to read it", r->s->path);
+}
+
+/* The text of the array is s->p to `end`. */
+static sn_status read_base64(vtu *r, const char *end, vtk_type type, values *out, sn_error *err)
+{
+    sn_scan *s = r->s;
+    size_t head = r->has_long_header ? 8 : 4;
+    unsigned char *raw = SN_NEW(unsigned char, (size_t)(end - s->p) / 4 * 3 + 3);
+    if (!raw) return no_memory(r, err);
+    size_t n = decode_base64(s->p, end, raw);
+    double said = n >= head ? decode(raw, r->has_long_header ? U64 : U32, r->is_big) : 0.0;
+    sn_status st = SN_OK;
+    if (n < head || said != (double)(n - head)) {
+        st = sn_scan_fail(s, err, "the array is damaged: it promises %.0f bytes and has %zu", said,
+                          n < head ? 0 : n - head);
+    } else {
+        out->n = (n - head) / type_size[type];
+        out->v = SN_NEW(double, out->n);
+        if (!out->v) st = no_memory(r, err);
+        for (size_t i = 0; i < out->n && !st; i++)
+            out->v[i] = decode(raw + head + i * type_size[type], type, r->is_big);
+    }
+    sn_release(raw);
+    return st;
+}
+
+static sn_status read_text(vtu *r, const char *end, values *out, sn_error *err)
+{
+    sn_scan text = *r->s;
+    text.end = end;
+    size_t cap = 0;
+    while (sn_scan_more(&text)) {
+        if (!sn_grow(&out->v, &cap, out->n + 1, sizeof *out->v)) return no_memory(r, err);
+        sn_status st = sn_scan_number(&text, &out->v[out->n], "a number", err);
+        if (st) return st;
+        out->n++;
+    }
+    return SN_OK;
+}
+
+/* The array that a DataArray fills, or NULL when nobody needs it. */
+static values *find_target(vtu *r, const tag *t)
+{
+    sn_word name = attribute(t, "Name");
+    if (sn_word_is(r->section, "Points")) return &r->point;
+    if (sn_word_is(r->section, "Cells")) {
+        if (sn_word_is(name, "connectivity")) return &r->corner;
+        if (sn_word_is(name, "offsets")) return &r->offset;
+        return sn_word_is(name, "types") ? &r->type : NULL;
+    }
+    bool is_part = sn_word_is(name, "tissue") || (sn_word_is(name, "MaterialId") && !r->part.is_there);
+    return is_part && sn_word_is(r->section, "CellData") ? &r->part : NULL;
+}
+
+static sn_status read_array(vtu *r, const tag *t, sn_error *err)
+{
+    values *out = find_target(r, t);
+    if (!out) return SN_OK;
+    sn_word format = attribute(t, "format");
+    vtk_type type = find_type(attribute(t, "type"));
+    if (sn_word_is(format, "appended"))
+        return sn_scan_fail(r->s, err, "appended data is not read: write it inline, as binary or ascii");
+    if (type == NO_TYPE) return sn_scan_fail(r->s, err, "an array needs a type, Int8 to Float64");
+    sn_release(out->v);
+    *out = (values){.is_there = true};
+    const char *end = r->s->p < r->s->end ? memchr(r->s->p, '<', sn_scan_left(r->s)) : NULL;
+    if (t->is_empty) return SN_OK;
+    if (!end) return sn_scan_fail(r->s, err, "truncated: an array without an end");
+    if (sn_word_is(format, "binary")) return read_base64(r, end, type, out, err);
+    if (format.n == 0 || sn_word_is(format, "ascii")) return read_text(r, end, out, err);
+    return sn_scan_fail(r->s, err, "an array needs the format binary or ascii");
+}
+
+static sn_status read_root(vtu *r, const tag *t, sn_error *err)
+{
+    if (attribute(t, "compressor").n > 0)
+        return sn_scan_fail(r->s, err, "compressed data is not read: write the file without a compressor");
+    if (!sn_word_is(attribute(t, "type"), "UnstructuredGrid"))
+        return sn_scan_fail(r->s, err, "need a VTKFile of type UnstructuredGrid");
+    r->is_big = sn_word_is(attribute(t, "byte_order"), "BigEndian");
+    r->has_long_header = sn_word_is(attribute(t, "header_type"), "UInt64");
+    return SN_OK;
+}
+
+/* Other elements (InformationKey, ...) may stand between the arrays of a section. */
+static bool is_section(sn_word name)
+{
+    static const char *const names[] = {"FieldData", "PointData", "CellData", "Points", "Cells"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (sn_word_is(name, names[i])) return true;
+    return false;
+}
+
+static sn_status read_tag(vtu *r, const tag *t, sn_error *err)
+{
+    if (sn_word_is(t->name, "VTKFile")) return read_root(r, t, err);
+    if (sn_word_is(t->name, "Piece")) {
+        if (r->in_piece) return sn_scan_fail(r->s, err, "a second Piece: only files of one piece are read");
+        r->in_piece = true;
+    } else if (sn_word_is(t->name, "DataArray")) {
+        return read_array(r, t, err);
+    } else if (is_section(t->name)) {
+        r->section = t->name;
+    }
+    return SN_OK;
+}
+
+static sn_status read_tags(vtu *r, sn_error *err)
+{
+    bool has_root = false, is_there = false;
+    tag t;
+    for (;;) {
+        sn_status st = next_tag(r->s, &t, &is_there, err);
+        if (st) return st;
+        if (!is_there) break;
+        if (t.closes) {
+            if (sn_word_is(t.name, "VTKFile")) return SN_OK;
+            continue;
+        }
+        if (!has_root && !sn_word_is(t.name, "VTKFile")) break;
+        has_root = true;
+        st = read_tag(r, &t, err);
+        if (st) return st;
+    }
+    if (!has_root) return sn_scan_fail(r->s, err, "not a VTK XML file: no <VTKFile> at the start");
+    return sn_scan_fail(r->s, err, "truncated: no </VTKFile>");
+}
+
+static sn_status missing(const vtu *r, const char *what, sn_error *err)
+{
+    return sn_fail(err, SN_EFORMAT, "%s: %s", r->s->path, what);
+}
+
+static sn_status check_arrays(const vtu *r, sn_error *err)
+{
+    size_t n = r->type.n;
+    if (!r->point.is_there || r->point.n % 3 != 0) return missing(r, "no Points with three components", err);
+    if (!r->corner.is_there) return missing(r, "no 'connectivity' in Cells", err);
+    if (!r->offset.is_there) return missing(r, "no 'offsets' in Cells", err);
+    if (!r->type.is_there) return missing(r, "no 'types' in Cells", err);
+    for (size_t i = 0; i < n; i++)
+        if (r->type.v[i] != VTK_TETRA)
+            return sn_fail(err, SN_EFORMAT, "%s: cell %zu has type %g, need %d (tets only)", r->s->path,
+                           i + 1, r->type.v[i], VTK_TETRA);
+    if (r->offset.n != n || r->corner.n != 4 * n || (r->part.is_there && r->part.n != n))
+        return sn_fail(err, SN_EFORMAT,
+                       "%s: %zu cells with %zu offsets, %zu corners and %zu tissues do not fit", r->s->path,
+                       n, r->offset.n, r->corner.n, r->part.n);
+    for (size_t i = 0; i < n; i++)
+        if (r->offset.v[i] != (double)(4 * (i + 1)))
+            return sn_fail(err, SN_EFORMAT, "%s: offset %zu is %g, need %zu", r->s->path, i + 1,
+                           r->offset.v[i], 4 * (i + 1));
+    return SN_OK;
+}
+
+static sn_status add_tet(const vtu *r, sn_builder *b, size_t i, sn_error *err)
+{
+    sn_status st = SN_OK;
+    for (size_t k = 4 * i; k < 4 * i + 4 && !st; k++) {
+        double v = r->corner.v[k];
+        if (!(v >= 0.0 && v < (double)sn_build_n_vert(b) && v == floor(v)))
+            return sn_fail(err, SN_EFORMAT, "%s: cell %zu names point %g, need 0..%lld", b->path, i + 1, v,
+                           (long long)sn_build_n_vert(b) - 1);
+        st = sn_build_corner(b, (int64_t)v, 0, err);
+    }
+    double part = r->part.is_there ? r->part.v[i] : -1.0;
+    bool is_part = part >= 0.0 && part <= (double)INT32_MAX && part == floor(part);
+    return st ? st : sn_build_cell(b, is_part ? (int32_t)part : -1, err);
+}
+
+static sn_status fill(const vtu *r, sn_builder *b, sn_error *err)
+{
+    sn_status st = check_arrays(r, err);
+    for (size_t i = 0; i + 2 < r->point.n && !st; i += 3) {
+        if (!sn_v3_is_finite(sn_v3_load(r->point.v + i)))
+            return sn_fail(err, SN_EFORMAT, "%s: point %zu has a coordinate that is not finite", b->path,
+                           i / 3);
+        st = sn_build_point(b, r->point.v + i, err);
+    }
+    for (size_t i = 0; i < r->type.n && !st; i++) st = add_tet(r, b, i, err);
+    return st;
+}
+
+sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err)
+{
+    vtu r = {.s = s};
+    sn_status st = read_tags(&r, err);
+    if (!st) st = fill(&r, b, err);
+    sn_release(r.point.v);
+    sn_release(r.corner.v);
+    sn_release(r.offset.v);
+    sn_release(r.type.v);
+    sn_release(r.part.v);
+    return st;
+}
+
+/* ---- Writing ---- */
+
+typedef struct writer {
+    sn_out *o;
+    bool ascii;
+    unsigned char *buffer; /* the bytes of one array behind their length, which is 8 bytes long */
+    size_t cap, size;
+    bool is_short; /* of memory */
+} writer;
+
+static void open_array(writer *w, const char *type, const char *name, int n_comp, int64_t n_tuple)
+{
+    sn_out_text(w->o, "<DataArray type=\"");
+    sn_out_text(w->o, type);
+    sn_out_text(w->o, "\" Name=\"");
+    for (const char *c = name; *c; c++) {
+        if (*c == '&' || *c == '<' || *c == '>')
+            sn_out_text(w->o, *c == '&' ? "&amp;" : *c == '<' ? "&lt;" : "&gt;");
+        else
+            sn_out_bytes(w->o, c, 1);
+    }
+    if (n_comp > 1) {
+        sn_out_text(w->o, "\" NumberOfComponents=\"");
+        sn_out_int(w->o, n_comp);
+    }
+    if (n_tuple >= 0) { /* field data, whose length nothing else tells */
+        sn_out_text(w->o, "\" NumberOfTuples=\"");
+        sn_out_int(w->o, n_tuple);
+    }
+    sn_out_text(w->o, w->ascii ? "\" format=\"ascii\">\n" : "\" format=\"binary\">\n");
+    w->size = 8;
+}
+
+static void put(writer *w, const void *data, size_t size)
+{
+    if (w->is_short || !sn_grow(&w->buffer, &w->cap, w->size + size, 1)) {
+        w->is_short = true;
+        return;
+    }
+    memcpy(w->buffer + w->size, data, size);
+    w->size += size;
+}
+
+static void put_int(writer *w, vtk_type type, int64_t v, bool ends_line)
+{
+    if (w->ascii) {
+        sn_out_int(w->o, v);
+        sn_out_text(w->o, ends_line ? "\n" : " ");
+        return;
+    }
+    int32_t v32 = (int32_t)v;
+    uint8_t v8 = (uint8_t)v;
+    if (type == I64) put(w, &v, 8);
+    if (type == I32) put(w, &v32, 4);
+    if (type == U8) put(w, &v8, 1);
+}
+
+static void close_array(writer *w)
+{
+    if (!w->ascii) {
+        uint64_t n = w->size - 8;
+        put(w, "", 0); /* so that the buffer exists */
+        if (!w->is_short) {
+            memcpy(w->buffer, &n, 8);
+            sn_out_base64(w->o, w->buffer, w->size);
+            sn_out_text(w->o, "\n");
+        }
+    }
+    sn_out_text(w->o, "</DataArray>\n");
+}
+
+static void write_doubles(writer *w, const char *name, const double *v, size_t n_row, int n_comp)
+{
+    open_array(w, "Float64", name, n_comp, -1);
+    if (!w->ascii) put(w, v, n_row * (size_t)n_comp * sizeof *v);
+    for (size_t i = 0; w->ascii && i < n_row; i++) sn_out_doubles(w->o, v + i * (size_t)n_comp, n_comp);
+    close_array(w);
+}
+
+static void write_names(writer *w, const sn_tet_extras *x)
+{
+    if (x->n_part == 0) return;
+    sn_out_text(w->o, "<FieldData>\n");
+    char room[24];
+    open_array(w, "String", "tissue_names", 1, x->n_part);
+    for (int32_t i = 0; i < x->n_part; i++) {
+        for (const char *c = sn_tet_part_name(x, i, room);; c++) { /* the final 0 divides the names */
+            put_int(w, U8, (unsigned char)*c, !*c);
+            if (!*c) break;
+        }
+    }
+    close_array(w);
+    sn_out_text(w->o, "</FieldData>\n");
+}
+
+static void write_fields(writer *w, const sn_tet_mesh *m, const sn_tet_extras *x, bool per_tet)
+{
+    sn_out_text(w->o, per_tet ? "<CellData>\n" : "<PointData>\n");
+    if (per_tet && m->part) {
+        open_array(w, "Int32", "tissue", 1, -1);
+        for (int32_t t = 0; t < m->n_tet; t++) put_int(w, I32, m->part[t], true);
+        close_array(w);
+    }
+    for (int32_t i = 0; i < x->n_field; i++) {
+        const sn_tet_field *f = &x->field[i];
+        if (f->per_tet == per_tet)
+            write_doubles(w, f->name, f->values, (size_t)(per_tet ? m->n_tet : m->n_vert), f->n_comp);
+    }
+    sn_out_text(w->o, per_tet ? "</CellData>\n" : "</PointData>\n");
+}
+
+static void write_cells(writer *w, const sn_tet_mesh *m)
+{
+    sn_out_text(w->o, "<Cells>\n");
+    open_array(w, "Int64", "connectivity", 1, -1);
+    for (size_t k = 0; k < 4 * (size_t)m->n_tet; k++) put_int(w, I64, m->tet[k], k % 4 == 3);
+    close_array(w);
+    open_array(w, "Int64", "offsets", 1, -1);
+    for (int64_t t = 0; t < m->n_tet; t++) put_int(w, I64, 4 * (t + 1), true);
+    close_array(w);
+    open_array(w, "UInt8", "types", 1, -1);
+    for (int32_t t = 0; t < m->n_tet; t++) put_int(w, U8, VTK_TETRA, true);
+    close_array(w);
+    sn_out_text(w->o, "</Cells>\n");
+}
+
+sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err)
+{
+    writer w = {.o = o, .ascii = x->ascii};
+    sn_out_text(o,
+                "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"");
+    sn_out_text(o, host_is_big() ? "BigEndian" : "LittleEndian");
+    sn_out_text(o, "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
+    write_names(&w, x);
+    sn_out_text(o, "<Piece NumberOfPoints=\"");
+    sn_out_int(o, m->n_vert);
+    sn_out_text(o, "\" NumberOfCells=\"");
+    sn_out_int(o, m->n_tet);
+    sn_out_text(o, "\">\n");
+    write_fields(&w, m, x, false);
+    write_fields(&w, m, x, true);
+    sn_out_text(o, "<Points>\n");
+    write_doubles(&w, "Points", m->pos, (size_t)m->n_vert, 3);
+    sn_out_text(o, "</Points>\n");
+    write_cells(&w, m);
+    sn_out_text(o, "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+    sn_release(w.buffer);
+    return w.is_short ? sn_fail(err, SN_ENOMEM, "no memory for an array of %zu bytes", w.size) : SN_OK;
+}

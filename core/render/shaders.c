@@ -1,0 +1,387 @@
+/* shaders.c - the GLSL sources.
+ *
+ * Solid things are drawn in two steps. The passes write what is seen at each sample: its colour (sRGB, alpha = gloss), its
+ * normal towards the eye, what it is (`kind`, below) and its depth. The final pass lights it.
+ * All positions count from the eye, so that single precision is enough wherever the scene lies.
+ * kind: 0 background; 1..511 a bone; 512..1023 a muscle; the same numbers negative, or -1024 for fat, in a section. */
+#include "render/shaders.h"
+
+#include <stddef.h>
+
+/* clang-format off */
+static const char version[] =
+    "#version 330 core\n";
+
+/* What all vertex shaders know: place -> clip space of the tile, and the turn into the view's axes. */
+static const char frame[] =
+    "uniform mat4 u_clip;\n"
+    "uniform mat3 u_turn;\n"
+    "uniform vec4 u_plane;\n"
+    "invariant gl_Position;\n";
+
+/* What all solid passes write. */
+static const char solid_out[] =
+    "layout(location = 0) out vec4 o_color;\n"
+    "layout(location = 1) out vec4 o_shape;\n"
+    "uniform mat3 u_turn;\n"
+    "uniform vec4 u_plane;\n";
+
+/* Corner k of tet i is vertex 4 i + k: its barycentric coordinates are the k-th unit vector. */
+static const char muscle_vs[] =
+    "layout(location = 0) in vec3 a_place;\n"
+    "out vec4 v_bary;\n"
+    "out vec3 v_place;\n"
+    "flat out int v_tet;\n"
+    "void main()\n"
+    "{\n"
+    "    int k = gl_VertexID & 3;\n"
+    "    v_bary = vec4(k == 0, k == 1, k == 2, k == 3);\n"
+    "    v_place = a_place;\n"
+    "    v_tet = gl_VertexID >> 2;\n"
+    "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
+    "}\n";
+
+/* The ray is eye + (1 + t) (entry - eye). Barycentric coordinates are linear along it, and so is g = f - f_fat. */
+static const char muscle_fs[] =
+    "in vec4 v_bary;\n"
+    "in vec3 v_place;\n"
+    "flat in int v_tet;\n"
+    "uniform samplerBuffer u_tet;\n"
+    "uniform samplerBuffer u_cand;\n"
+    "uniform samplerBuffer u_color;\n"
+    "uniform vec2 u_depth;\n"
+    "void main()\n"
+    "{\n"
+    "    vec4 eye = texelFetch(u_tet, 2 * v_tet);\n"
+    "    vec4 list = texelFetch(u_tet, 2 * v_tet + 1);\n"
+    "    vec4 pace = v_bary - eye;\n"
+    "    float t_in = 0.0, t_out = 1e30;\n"
+    "    for (int k = 0; k < 4; k++)\n"
+    "        if (pace[k] < 0.0) t_out = min(t_out, max(v_bary[k], 0.0) / -pace[k]);\n"
+    "    t_out *= 1.0001;\n"
+    "    float h = dot(u_plane, vec4(v_place, 1.0)), dh = dot(u_plane.xyz, v_place);\n"
+    "    bool is_cut = false;\n"
+    "    if (h > 0.0) {\n"
+    "        if (dh >= 0.0) discard;\n"
+    "        t_in = -h / dh;\n"
+    "        is_cut = true;\n"
+    "    } else if (dh > 0.0) {\n"
+    "        t_out = min(t_out, -h / dh);\n"
+    "    }\n"
+    "    // A candidate that is above fat at the entry gives the entry itself: the true surface then lies in a tet in front,\n"
+    "    // or was lost by rounding at a shared face, and this closes the gap. At the plane the section is drawn instead.\n"
+    "    float t_hit = t_out, key = -1.0;\n"
+    "    int hit = -1;\n"
+    "    int first = int(list.x), last = first + 5 * int(list.y);\n"
+    "    for (int c = first; c < last; c += 5) {\n"
+    "        vec4 g = texelFetch(u_cand, c);\n"
+    "        float slope = dot(pace, g), start = dot(v_bary, g) + slope * t_in;\n"
+    "        if (start < 0.0 && slope <= 0.0) continue;\n"
+    "        float t = start < 0.0 ? t_in - start / slope : t_in;\n"
+    "        float k = start < 0.0 ? slope : start;\n"
+    "        if (t < t_hit || (t == t_hit && k > key)) {\n"
+    "            t_hit = t;\n"
+    "            key = k;\n"
+    "            hit = c;\n"
+    "        }\n"
+    "    }\n"
+    "    if (hit < 0 || t_in > t_out || (is_cut && t_hit == t_in)) discard;\n"
+    "    vec4 at = clamp(v_bary + t_hit * pace, 0.0, 1.0);\n"
+    "    vec4 n0 = texelFetch(u_cand, hit + 1);\n"
+    "    vec3 n = at.x * n0.xyz + at.y * texelFetch(u_cand, hit + 2).xyz + at.z * texelFetch(u_cand, hit + 3).xyz +\n"
+    "             at.w * texelFetch(u_cand, hit + 4).xyz;\n"
+    "    float w = (1.0 + t_hit) / gl_FragCoord.w;\n"
+    "    gl_FragDepth = clamp(0.5 + 0.5 * (u_depth.x + u_depth.y / w), 0.0, 1.0);\n"
+    "    o_color = vec4(texelFetch(u_color, int(n0.w)).rgb, 0.5);\n"
+    "    o_shape = vec4(u_turn * normalize(n + 1e-12 * v_place), 512.0 + mod(n0.w, 512.0));\n"
+    "}\n";
+
+/* Corner k of triangle i is vertex 3 i + k. */
+static const char cut_vs[] =
+    "layout(location = 0) in vec3 a_place;\n"
+    "layout(location = 1) in vec3 a_normal;\n"
+    "uniform float u_is_section;\n"
+    "out vec3 v_bary;\n"
+    "out vec3 v_normal;\n"
+    "flat out int v_face;\n"
+    "void main()\n"
+    "{\n"
+    "    int k = gl_VertexID % 3;\n"
+    "    v_bary = vec3(k == 0, k == 1, k == 2);\n"
+    "    v_normal = a_normal;\n"
+    "    v_face = gl_VertexID / 3;\n"
+    "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
+    "    gl_ClipDistance[0] = u_is_section > 0.5 ? 1.0 : -dot(u_plane, vec4(a_place, 1.0));\n"
+    "}\n";
+
+static const char cut_fs[] =
+    "in vec3 v_bary;\n"
+    "in vec3 v_normal;\n"
+    "flat in int v_face;\n"
+    "uniform samplerBuffer u_face;\n"
+    "uniform samplerBuffer u_cand;\n"
+    "uniform samplerBuffer u_color;\n"
+    "uniform float u_is_section;\n"
+    "uniform vec3 u_fat;\n"
+    "void main()\n"
+    "{\n"
+    "    vec4 list = texelFetch(u_face, v_face);\n"
+    "    int first = int(list.x), last = first + int(list.y);\n"
+    "    float best = 0.0, id = -1.0;\n"
+    "    for (int c = first; c < last; c++) {\n"
+    "        vec4 g = texelFetch(u_cand, c);\n"
+    "        float here = dot(v_bary, g.xyz);\n"
+    "        if (here > best) {\n"
+    "            best = here;\n"
+    "            id = g.w;\n"
+    "        }\n"
+    "    }\n"
+    "    bool is_section = u_is_section > 0.5;\n"
+    "    if (id < 0.0 && !is_section) discard;\n"
+    "    vec3 color = id < 0.0 ? u_fat : texelFetch(u_color, int(id)).rgb;\n"
+    "    float kind = id < 0.0 ? 1024.0 : 512.0 + mod(id, 512.0);\n"
+    "    o_color = vec4(color, is_section ? 0.0 : 0.5);\n"
+    "    o_shape = vec4(normalize(u_turn * v_normal), is_section ? -kind : kind);\n"
+    "}\n";
+
+static const char solid_vs[] =
+    "layout(location = 0) in vec3 a_place;\n"
+    "layout(location = 1) in vec3 a_normal;\n"
+    "uniform float u_is_section;\n"
+    "out vec3 v_place;\n"
+    "out vec3 v_normal;\n"
+    "void main()\n"
+    "{\n"
+    "    v_place = u_turn * a_place;\n"
+    "    v_normal = u_turn * a_normal;\n"
+    "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
+    "    gl_ClipDistance[0] = u_is_section > 0.5 ? 1.0 : -dot(u_plane, vec4(a_place, 1.0));\n"
+    "}\n";
+
+static const char solid_fs[] =
+    "in vec3 v_place;\n"
+    "in vec3 v_normal;\n"
+    "uniform vec4 u_color;\n"
+    "uniform float u_kind;\n"
+    "void main()\n"
+    "{\n"
+    "    vec3 n = normalize(v_normal);\n"
+    "    o_color = u_color;\n"
+    "    o_shape = vec4(gl_FrontFacing || u_kind < 0.0 ? n : -n, u_kind);\n"
+    "}\n";
+
+/* Three lights that move with the eye, a sky above a warm ground. All colours are linear. */
+static const char light[] =
+    "const vec3 key_dir = normalize(vec3(-0.50, 0.64, 0.58));\n"
+    "const vec3 fill_dir = normalize(vec3(0.86, 0.08, 0.50));\n"
+    "const vec3 rim_dir = normalize(vec3(0.35, 0.55, -0.75));\n"
+    "vec3 linear(vec3 c)\n"
+    "{\n"
+    "    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));\n"
+    "}\n"
+    "vec3 ambient(vec3 n)\n"
+    "{\n"
+    "    return mix(vec3(0.20, 0.16, 0.15), vec3(0.40, 0.41, 0.43), 0.5 + 0.5 * n.y);\n"
+    "}\n"
+    "vec3 direct(vec3 n)\n"
+    "{\n"
+    "    return vec3(1.02, 0.96, 0.90) * max(0.0, (dot(n, key_dir) + 0.12) / 1.12) +\n"
+    "           vec3(0.20, 0.21, 0.23) * max(0.0, dot(n, fill_dir)) + vec3(0.22, 0.22, 0.24) * max(0.0, dot(n, rim_dir));\n"
+    "}\n"
+    "float gleam(vec3 n, vec3 to_eye)\n"
+    "{\n"
+    "    float wide = pow(max(0.0, dot(n, normalize(key_dir + to_eye))), 36.0);\n"
+    "    float soft = pow(max(0.0, dot(n, normalize(fill_dir + to_eye))), 14.0);\n"
+    "    return 0.42 * wide + 0.10 * soft;\n"
+    "}\n";
+
+/* Weighted sums over all layers, in any order: their mean colour, and exactly how much of the ground is seen. */
+static const char skin_fs[] =
+    "layout(location = 0) out vec4 o_sum;\n"
+    "layout(location = 1) out vec4 o_weight;\n"
+    "in vec3 v_place;\n"
+    "in vec3 v_normal;\n"
+    "uniform vec4 u_color;\n"
+    "void main()\n"
+    "{\n"
+    "    vec3 n = normalize(v_normal), to_eye = normalize(-v_place);\n"
+    "    if (!gl_FrontFacing) n = -n;\n"
+    "    float graze = 1.0 - abs(dot(n, to_eye));\n"
+    "    float a = mix(u_color.a, 1.0, 0.75 * graze * graze * graze * sqrt(u_color.a));\n"
+    "    if (!gl_FrontFacing) a *= 0.3;\n"
+    "    vec3 c = linear(u_color.rgb) * 0.85 * (ambient(n) + direct(n)) + 0.5 * gleam(n, to_eye);\n"
+    "    o_sum = vec4(c * a, a);\n"
+    "    o_weight = vec4(a, 0.0, 0.0, a);\n"
+    "}\n";
+
+/* Radius u_radius, but at least u_pixels wide on the picture, then grown by u_grow pixels. */
+static const char line_vs[] =
+    "layout(location = 0) in vec3 a_centre;\n"
+    "layout(location = 1) in vec3 a_dir;\n"
+    "uniform float u_radius;\n"
+    "uniform float u_pixels;\n"
+    "uniform float u_grow;\n"
+    "uniform float u_slope;\n"
+    "out vec3 v_normal;\n"
+    "out vec3 v_place;\n"
+    "void main()\n"
+    "{\n"
+    "    float w = max((u_clip * vec4(a_centre, 1.0)).w, 0.0);\n"
+    "    vec3 place = a_centre + a_dir * (max(u_radius, u_pixels * u_slope * w) + u_grow * u_slope * w);\n"
+    "    v_place = u_turn * place;\n"
+    "    v_normal = u_turn * a_dir;\n"
+    "    gl_Position = u_clip * vec4(place, 1.0);\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(a_centre, 1.0));\n"
+    "}\n";
+
+static const char line_fs[] =
+    "layout(location = 0) out vec4 o_line;\n"
+    "in vec3 v_place;\n"
+    "in vec3 v_normal;\n"
+    "uniform vec4 u_color;\n"
+    "void main()\n"
+    "{\n"
+    "    vec3 n = normalize(v_normal);\n"
+    "    vec3 c = linear(u_color.rgb);\n"
+    "    if (u_color.a > 0.5) c = c * (0.35 + ambient(n) + 0.65 * direct(n)) + gleam(n, normalize(-v_place));\n"
+    "    o_line = vec4(c, 1.0);\n"
+    "}\n";
+
+static const char screen_vs[] =
+    "void main()\n"
+    "{\n"
+    "    gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);\n"
+    "}\n";
+
+/* Places in view axes from depth. u_origin: the tile's corner from the picture's middle, samples; u_slope: per sample. */
+static const char screen[] =
+    "uniform sampler2D u_depth_map;\n"
+    "uniform sampler2D u_shape;\n"
+    "uniform vec2 u_depth;\n"
+    "uniform vec2 u_origin;\n"
+    "uniform float u_slope;\n"
+    "uniform ivec2 u_size;\n"
+    "float distance_of(float depth)\n"
+    "{\n"
+    "    return u_depth.y / (2.0 * depth - 1.0 - u_depth.x);\n"
+    "}\n"
+    "vec3 place_of(vec2 pixel, float depth)\n"
+    "{\n"
+    "    return vec3((pixel + u_origin) * u_slope, -1.0) * distance_of(depth);\n"
+    "}\n";
+
+/* How much of the sky is hidden, after McGuire et al. 2011 (keys: core/REFERENCES.md, Alchemy). */
+static const char occlusion_fs[] =
+    "layout(location = 0) out vec4 o_open;\n"
+    "uniform float u_radius;\n"
+    "uniform float u_max_pixels;\n"
+    "void main()\n"
+    "{\n"
+    "    ivec2 here = ivec2(gl_FragCoord.xy);\n"
+    "    float depth = texelFetch(u_depth_map, here, 0).r;\n"
+    "    vec4 shape = texelFetch(u_shape, here, 0);\n"
+    "    o_open = vec4(1.0);\n"
+    "    if (shape.w <= 0.0) return;\n"
+    "    vec3 place = place_of(gl_FragCoord.xy, depth), n = shape.xyz;\n"
+    "    float reach = clamp(u_radius / (u_slope * -place.z), 2.0, u_max_pixels);\n"
+    "    float turn = 0.3927 * float((here.x * 5 + here.y * 9) & 15);\n"
+    "    float sum = 0.0, r2 = u_radius * u_radius;\n"
+    "    for (int i = 0; i < 12; i++) {\n"
+    "        float a = turn + 2.4 * float(i), r = reach * sqrt((float(i) + 0.5) / 12.0);\n"
+    "        ivec2 there = here + ivec2(round(r * vec2(cos(a), sin(a))));\n"
+    "        if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, u_size))) continue;\n"
+    "        vec3 v = place_of(vec2(there) + 0.5, texelFetch(u_depth_map, there, 0).r) - place;\n"
+    "        float d2 = dot(v, v), near = max(0.0, 1.0 - d2 / r2);\n"
+    "        sum += near * near * max(0.0, dot(v, n) * inversesqrt(d2 + 1e-4 * r2) - 0.08);\n"
+    "    }\n"
+    "    o_open = vec4(clamp(1.0 - 2.6 * sum / 12.0, 0.0, 1.0));\n"
+    "}\n";
+
+static const char final_fs[] =
+    "layout(location = 0) out vec4 o_picture;\n"
+    "uniform sampler2D u_color;\n"
+    "uniform sampler2D u_open;\n"
+    "uniform sampler2D u_skin_sum;\n"
+    "uniform sampler2D u_skin_weight;\n"
+    "uniform sampler2D u_line;\n"
+    "uniform sampler2D u_line_depth;\n"
+    "uniform vec3 u_show;\n"
+    "uniform float u_unit;\n"
+    "uniform int u_samples;\n"
+    "float open_sky(ivec2 here, float far)\n"
+    "{\n"
+    "    float sum = 0.0, n = 0.0;\n"
+    "    for (int y = -2; y < 2; y++)\n"
+    "        for (int x = -2; x < 2; x++) {\n"
+    "            ivec2 p = clamp(here + ivec2(x, y), ivec2(0), u_size - 1);\n"
+    "            float d = distance_of(texelFetch(u_depth_map, p, 0).r);\n"
+    "            float w = abs(d - far) < 0.01 * u_unit ? 1.0 : 0.0;\n"
+    "            sum += w * texelFetch(u_open, p, 0).r;\n"
+    "            n += w;\n"
+    "        }\n"
+    "    return n > 0.0 ? sum / n : 1.0;\n"
+    "}\n"
+    "// A line where two things meet, and on the far side of a step in depth.\n"
+    "float outline(ivec2 here, vec4 shape, vec3 place)\n"
+    "{\n"
+    "    float line = 0.0;\n"
+    "    for (int k = 0; k < 4; k++) {\n"
+    "        ivec2 step = (k & 1) == 0 ? ivec2(1, 0) : ivec2(0, 1);\n"
+    "        ivec2 p = here + ((k & 2) == 0 ? 1 : -1) * ((u_samples + 1) / 2) * step;\n"
+    "        if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, u_size))) continue;\n"
+    "        float kind = texelFetch(u_shape, p, 0).w;\n"
+    "        vec3 v = place_of(vec2(p) + 0.5, texelFetch(u_depth_map, p, 0).r) - place;\n"
+    "        bool is_flat = shape.w < 0.0 && kind < 0.0;\n"
+    "        if (kind != shape.w && (is_flat || v.z < 0.002 * u_unit)) line = max(line, is_flat ? 0.72 : 0.5);\n"
+    "        float rise = dot(v, shape.xyz) / u_unit;\n"
+    "        if (kind == shape.w && shape.w > 0.0) line = max(line, 0.5 * smoothstep(0.004, 0.016, rise));\n"
+    "    }\n"
+    "    return line;\n"
+    "}\n"
+    "void main()\n"
+    "{\n"
+    "    ivec2 here = ivec2(gl_FragCoord.xy);\n"
+    "    float depth = texelFetch(u_depth_map, here, 0).r;\n"
+    "    vec4 shape = texelFetch(u_shape, here, 0), c = vec4(0.0);\n"
+    "    if (shape.w != 0.0) {\n"
+    "        vec4 paint = texelFetch(u_color, here, 0);\n"
+    "        vec3 place = place_of(gl_FragCoord.xy, depth), n = shape.xyz, to_eye = normalize(-place);\n"
+    "        vec3 albedo = linear(paint.rgb);\n"
+    "        if (shape.w > 0.0) {\n"
+    "            float open = open_sky(here, -place.z);\n"
+    "            vec3 bounce = mix(albedo, vec3(1.0), open); // what hides the sky sends back its own colour\n"
+    "            c.rgb = albedo * bounce * open * (ambient(n) + mix(0.55, 1.0, open) * direct(n));\n"
+    "            c.rgb += paint.a * open * gleam(n, to_eye);\n"
+    "        } else {\n"
+    "            c.rgb = albedo;\n"
+    "        }\n"
+    "        c.rgb *= 1.0 - outline(here, shape, place);\n"
+    "        c.a = 1.0;\n"
+    "    }\n"
+    "    if (u_show.x > 0.5) {\n"
+    "        vec4 sum = texelFetch(u_skin_sum, here, 0);\n"
+    "        float weight = texelFetch(u_skin_weight, here, 0).r;\n"
+    "        if (weight > 0.0) c = c * sum.a + vec4(sum.rgb / weight, 1.0) * (1.0 - sum.a);\n"
+    "    }\n"
+    "    if (u_show.y > 0.5) {\n"
+    "        vec4 line = texelFetch(u_line, here, 0);\n"
+    "        float d = texelFetch(u_line_depth, here, 0).r;\n"
+    "        bool is_hidden = distance_of(d) > distance_of(depth) + 1e-4 * u_unit;\n"
+    "        c = mix(c, vec4(line.rgb, 1.0), line.a * (is_hidden ? 0.34 : 1.0));\n"
+    "    }\n"
+    "    o_picture = c;\n"
+    "}\n";
+
+const char *const sn_shader_muscle_vs[] = {version, frame, muscle_vs, NULL};
+const char *const sn_shader_muscle_fs[] = {version, solid_out, muscle_fs, NULL};
+const char *const sn_shader_cut_vs[] = {version, frame, cut_vs, NULL};
+const char *const sn_shader_cut_fs[] = {version, solid_out, cut_fs, NULL};
+const char *const sn_shader_solid_vs[] = {version, frame, solid_vs, NULL};
+const char *const sn_shader_solid_fs[] = {version, solid_out, solid_fs, NULL};
+const char *const sn_shader_skin_fs[] = {version, light, skin_fs, NULL};
+const char *const sn_shader_line_vs[] = {version, frame, line_vs, NULL};
+const char *const sn_shader_line_fs[] = {version, light, line_fs, NULL};
+const char *const sn_shader_screen_vs[] = {version, screen_vs, NULL};
+const char *const sn_shader_occlusion_fs[] = {version, screen, occlusion_fs, NULL};
+const char *const sn_shader_final_fs[] = {version, screen, light, final_fs, NULL};
+/* clang-format on */

@@ -1,0 +1,237 @@
+#include "tetra/body.h"
+
+#include "base/alloc.h"
+#include "mesh/bvh.h"
+#include "mesh/mesh_check.h"
+#include "tetra/body_private.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void sn_body_init(sn_body *b)
+{
+    memset(b, 0, sizeof *b);
+}
+
+void sn_body_free(sn_body *b)
+{
+    sn_tet_mesh_free(&b->mesh);
+    sn_release(b->across);
+    sn_body_init(b);
+}
+
+static sn_status check_positive(const char *name, double value, sn_error *err)
+{
+    if (value == 0.0 || (value > 0.0 && isfinite(value))) return SN_OK;
+    return sn_fail(err, SN_EINVAL, "tetrahedralize: %s is %g, need > 0", name, value);
+}
+
+sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, sn_body_options *out, sn_error *err)
+{
+    sn_status st = check_positive("edge_length", opt->edge_length, err);
+    if (!st) st = check_positive("bone_edge_length", opt->bone_edge_length, err);
+    if (!st) st = check_positive("max_volume", opt->max_volume, err);
+    if (!st) st = check_positive("time_limit", opt->time_limit, err);
+    if (!st && opt->radius_edge != 0.0 && !(opt->radius_edge >= 1.1 && isfinite(opt->radius_edge)))
+        st = sn_fail(err, SN_EINVAL, "tetrahedralize: radius_edge is %g, need >= 1.1", opt->radius_edge);
+    if (st) return st;
+    *out = *opt;
+    if (out->edge_length == 0.0) out->edge_length = sn_box3_diagonal(sn_tri_mesh_bounds(skin)) / 80.0;
+    if (out->bone_edge_length == 0.0) out->bone_edge_length = out->edge_length;
+    if (out->max_volume == 0.0) out->max_volume = 0.35 * pow(out->edge_length, 3.0);
+    if (out->radius_edge == 0.0) out->radius_edge = 1.414;
+    if (out->time_limit == 0.0) out->time_limit = 300.0;
+    if (out->memory_limit == 0) out->memory_limit = (size_t)6 << 30;
+    return SN_OK;
+}
+
+static sn_status fail_open(const sn_mesh_check *c, const char *kind, const char *name, sn_error *err)
+{
+    if (c->boundary_edges)
+        return sn_fail(err, SN_EMESH, "%s%s is not closed: %d boundary edges; need a closed surface", kind, name,
+                       c->boundary_edges);
+    if (c->nonmanifold_edges)
+        return sn_fail(err, SN_EMESH, "%s%s is not manifold: %d edges with more than two faces", kind, name,
+                       c->nonmanifold_edges);
+    if (!c->oriented)
+        return sn_fail(err, SN_EMESH, "%s%s has neighbouring faces that turn opposite ways; need one orientation", kind,
+                       name);
+    return sn_fail(err, SN_EMESH, "%s%s is not a closed manifold surface", kind, name);
+}
+
+static void turn_inside_out(sn_tri_mesh *m)
+{
+    for (int32_t f = 0; f < m->n_face; f++) {
+        int32_t *v = m->face + 3 * (size_t)f, swap = v[1];
+        v[1] = v[2];
+        v[2] = swap;
+    }
+}
+
+/* Components that turn inwards although they lie in nothing are the usual export mistake: only a surface whose whole
+ * volume is negative is turned. */
+sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *name, const sn_run *run, sn_tri_mesh *out,
+                          int32_t crossing[2], sn_error *err)
+{
+    sn_mesh_check c;
+    sn_status st = sn_tri_mesh_validate(in, err);
+    if (st) return sn_fail_prefix(err, SN_EMESH, "%s%s: ", kind, name);
+    st = sn_tri_mesh_copy(out, in, err);
+    if (!st) st = sn_tri_mesh_weld(out, NULL, err);
+    if (!st) st = sn_mesh_check_run(&c, out, run, err);
+    if (st) return st;
+    if (!c.closed || !c.oriented || c.nonmanifold_edges) return fail_open(&c, kind, name, err);
+    double volume = sn_tri_mesh_volume(out);
+    if (volume == 0.0) return sn_fail(err, SN_EMESH, "%s%s encloses no volume", kind, name);
+    if (volume < 0.0) turn_inside_out(out);
+    crossing[0] = c.first_pair[0];
+    crossing[1] = c.first_pair[1];
+    return SN_OK;
+}
+
+/* Some vertex or face centre of the bone lies inside the skin; *pokes: some vertex lies outside. */
+static bool bone_is_inside(const sn_bvh *skin, const sn_tri_mesh *bone, bool *pokes)
+{
+    bool inside = false;
+    *pokes = false;
+    for (int32_t v = 0; v < bone->n_vert; v++) {
+        if (sn_bvh_contains(skin, sn_tri_mesh_point(bone, v)))
+            inside = true;
+        else
+            *pokes = true;
+    }
+    for (int32_t f = 0; f < bone->n_face && !inside; f++) {
+        const int32_t *v = bone->face + 3 * (size_t)f;
+        sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(bone, v[0]), sn_tri_mesh_point(bone, v[1])),
+                              sn_tri_mesh_point(bone, v[2]));
+        inside = sn_bvh_contains(skin, sn_v3_scale(1.0 / 3.0, c));
+    }
+    return inside;
+}
+
+static sn_status prepare_bones(const sn_bvh *skin, const sn_named_surface *bone, int32_t n_bone, const sn_run *run,
+                               sn_tri_mesh *clean, bool *exact, sn_notes *notes, sn_error *err)
+{
+    for (int32_t i = 0; i < n_bone; i++) {
+        int32_t crossing[2];
+        char name[128];
+        (void)snprintf(name, sizeof name, " '%s'", bone[i].name);
+        sn_status st = sn_body_prepare(bone[i].mesh, "bone", name, run, &clean[i], crossing, err);
+        if (st) return st;
+        bool pokes;
+        if (!bone_is_inside(skin, &clean[i], &pokes))
+            return sn_fail(err, SN_EMESH, "bone '%s' lies outside the skin: no part of it is inside", bone[i].name);
+        if (pokes) sn_notes_add(notes, "bone '%s' pokes through the skin: what is outside is cut off", bone[i].name);
+        if (crossing[0] >= 0) {
+            sn_notes_add(notes, "bone '%s' crosses itself (faces %d and %d): the surfaces are resampled", bone[i].name,
+                         crossing[0] + 1, crossing[1] + 1);
+            *exact = false;
+        }
+    }
+    return SN_OK;
+}
+
+static sn_status prepare_skin(const sn_tri_mesh *in, const sn_run *run, sn_tri_mesh *out, sn_error *err)
+{
+    int32_t crossing[2];
+    sn_status st = sn_body_prepare(in, "skin", "", run, out, crossing, err);
+    if (!st && crossing[0] >= 0)
+        st = sn_fail(err, SN_EMESH, "skin crosses itself: faces %d and %d; need a surface without self-intersections",
+                     crossing[0] + 1, crossing[1] + 1);
+    return st;
+}
+
+/* Dihedral angles of all tets, in degrees. */
+static void measure_shape(const sn_tet_mesh *m, sn_body_report *r)
+{
+    double lo = 180.0, hi = 0.0;
+    int64_t below = 0;
+    for (int32_t t = 0; t < m->n_tet; t++) {
+        sn_vec3 n[4];
+        double tet_lo = 180.0;
+        for (int k = 0; k < 4; k++) {
+            const int *f = sn_tet_face[k];
+            const int32_t *v = m->tet + 4 * (size_t)t;
+            sn_vec3 a = sn_tet_mesh_point(m, v[f[0]]);
+            n[k] = sn_v3_unit(sn_v3_cross(sn_v3_sub(sn_tet_mesh_point(m, v[f[1]]), a),
+                                          sn_v3_sub(sn_tet_mesh_point(m, v[f[2]]), a)));
+        }
+        for (int e = 0; e < 6; e++) {
+            double c = -sn_v3_dot(n[sn_tet_edge[e][0]], n[sn_tet_edge[e][1]]);
+            double angle = acos(fmin(1.0, fmax(-1.0, c))) * (180.0 / 3.14159265358979323846);
+            tet_lo = fmin(tet_lo, angle);
+            hi = fmax(hi, angle);
+        }
+        lo = fmin(lo, tet_lo);
+        below += tet_lo < 10.0;
+    }
+    r->min_dihedral_deg = lo;
+    r->max_dihedral_deg = hi;
+    r->share_below_10_deg = m->n_tet ? (double)below / m->n_tet : 0.0;
+}
+
+static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone, sn_tri_mesh *clean,
+                       const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
+                       sn_notes *notes, sn_error *err)
+{
+    sn_tri_mesh surface;
+    sn_tri_mesh_init(&surface);
+    sn_bvh *bvh = NULL;
+    const sn_tri_mesh **ptr = SN_NEW(const sn_tri_mesh *, n_bone);
+    bool exact = true;
+    double start = sn_clock();
+    sn_status st = ptr ? sn_bvh_create(&bvh, skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    if (!st) st = prepare_bones(bvh, bone, n_bone, run, clean, &exact, notes, err);
+    for (int32_t i = 0; !st && i < n_bone; i++) ptr[i] = &clean[i];
+    if (!st) st = sn_body_surface(skin, ptr, n_bone, exact, opt, run, &surface, report, notes, err);
+    report->seconds_surface = sn_clock() - start;
+    if (!st) st = sn_body_tets(&surface, opt, run, out, report, err);
+    sn_tri_mesh_free(&surface);
+    sn_bvh_destroy(bvh);
+    sn_release(ptr);
+    return st;
+}
+
+sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone, const sn_body_options *opt,
+                        const sn_run *run, sn_body *out, sn_body_report *report, sn_notes *notes, sn_error *err)
+{
+    sn_body_report r = {0};
+    sn_body_options full;
+    sn_tri_mesh clean_skin, *clean = SN_NEW_ZERO(sn_tri_mesh, n_bone);
+    double start = sn_clock();
+    sn_tri_mesh_init(&clean_skin);
+    sn_body_free(out);
+    sn_status st = clean ? SN_OK : sn_fail(err, SN_ENOMEM, "body: no memory");
+    if (!st) st = prepare_skin(skin, run, &clean_skin, err);
+    if (!st) st = sn_body_defaults(opt, &clean_skin, &full, err);
+    if (!st) st = build(&clean_skin, bone, n_bone, clean, &full, run, out, &r, notes, err);
+    if (!st) {
+        out->n_bone = n_bone;
+        measure_shape(&out->mesh, &r);
+        r.n_vert = out->mesh.n_vert;
+        r.n_tet = out->mesh.n_tet;
+        r.seconds = sn_clock() - start;
+        if (r.n_dropped)
+            sn_notes_add(notes, "%d tets (volume %g) are shut off from the skin by bone: dropped", r.n_dropped,
+                         r.dropped_volume);
+        if (report) *report = r;
+    } else {
+        sn_body_free(out);
+    }
+    sn_tri_mesh_free(&clean_skin);
+    for (int32_t i = 0; clean && i < n_bone; i++) sn_tri_mesh_free(&clean[i]);
+    sn_release(clean);
+    return st;
+}
+
+sn_status sn_body_from_tets(const sn_tet_mesh *m, int32_t label, sn_body *out, sn_error *err)
+{
+    sn_body_free(out);
+    sn_status st = sn_tet_mesh_validate(m, err);
+    if (!st) st = sn_tet_mesh_copy(&out->mesh, m, err);
+    if (!st) st = sn_tet_mesh_adjacency(m, &out->across, err);
+    for (size_t h = 0; !st && h < 4 * (size_t)m->n_tet; h++)
+        if (out->across[h] < 0) out->across[h] = -1 - label;
+    if (st) sn_body_free(out);
+    return st;
+}

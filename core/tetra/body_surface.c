@@ -1,0 +1,209 @@
+/* The boundary of the soft tissue: the exact difference of skin and bones, remeshed; or, where that cannot be had,
+ * the same set sampled on a lattice. */
+#include "base/alloc.h"
+#include "base/child.h"
+#include "mesh/bvh.h"
+#include "mesh/polygonize.h"
+#include "mesh/remesh.h"
+#include "tetra/body_private.h"
+#include "tetra/corefine_bridge.h"
+
+#include <string.h>
+
+#define MAX_BONE_VOLUME_CHANGE 0.015 /* above it the remeshing is done again with half the deviation */
+#define REMESH_TRIES 3
+#define SAMPLE_CELL 0.6              /* of the shorter edge length */
+
+typedef struct corefine_job {
+    const sn_tri_mesh *skin;
+    const sn_tri_mesh *const *bone;
+    int32_t n_bone;
+} corefine_job;
+
+static sn_status corefine_in_child(void *user, sn_child_out *out, sn_error *err)
+{
+    const corefine_job *job = user;
+    sn_tri_mesh m;
+    sn_tri_mesh_init(&m);
+    sn_status st = sn_corefine(job->skin, job->bone, job->n_bone, &m, err);
+    if (st) return st;
+    int32_t n[2] = {m.n_vert, m.n_face};
+    sn_child_send(out, n, sizeof n);
+    sn_child_send(out, m.pos, 3 * (size_t)m.n_vert * sizeof *m.pos);
+    sn_child_send(out, m.face, 3 * (size_t)m.n_face * sizeof *m.face);
+    sn_child_send(out, m.label, (size_t)m.n_face * sizeof *m.label);
+    return SN_OK;
+}
+
+static sn_status unpack_surface(const char *data, size_t size, sn_tri_mesh *out, sn_error *err)
+{
+    int32_t n[2];
+    memcpy(n, data, sizeof n);
+    sn_status st = sn_tri_mesh_reserve(out, n[0], n[1], err);
+    if (st) return st;
+    out->label = SN_NEW(int32_t, n[1]);
+    if (!out->label) return sn_fail(err, SN_ENOMEM, "body: no memory");
+    size_t pos = 3 * (size_t)n[0] * sizeof *out->pos, face = 3 * (size_t)n[1] * sizeof *out->face;
+    size_t label = (size_t)n[1] * sizeof *out->label;
+    if (size != sizeof n + pos + face + label) return sn_fail(err, SN_EINTERNAL, "body: union of bones was cut short");
+    memcpy(out->pos, data + sizeof n, pos);
+    memcpy(out->face, data + sizeof n + pos, face);
+    memcpy(out->label, data + sizeof n + pos + face, label);
+    return SN_OK;
+}
+
+static sn_status exact_difference(const corefine_job *job, const sn_body_options *opt, const sn_run *run, sn_tri_mesh *out,
+                                  sn_error *err)
+{
+    sn_child child = {"uniting bones", opt->time_limit, opt->memory_limit, SN_EMESH};
+    char *data;
+    size_t size;
+    sn_status st = sn_child_run(&child, corefine_in_child, (void *)job, run, &data, &size, err);
+    if (!st) st = unpack_surface(data, size, out, err);
+    if (st) sn_tri_mesh_free(out);
+    sn_release(data);
+    return st;
+}
+
+/* ---- sampling ---- */
+
+typedef struct sampler {
+    sn_bvh *skin;
+    sn_bvh **bone;
+    int32_t n_bone;
+} sampler;
+
+static double signed_distance(const sn_bvh *b, sn_vec3 p)
+{
+    double d = sn_bvh_closest(b, p).dist;
+    return sn_bvh_contains(b, p) ? -d : d;
+}
+
+static double tissue_value(void *user, sn_vec3 p)
+{
+    const sampler *s = user;
+    double v = signed_distance(s->skin, p);
+    for (int32_t i = 0; i < s->n_bone; i++) v = fmax(v, -signed_distance(s->bone[i], p));
+    return v;
+}
+
+static sn_status label_by_nearest(const sampler *s, sn_tri_mesh *m, sn_error *err)
+{
+    m->label = SN_NEW(int32_t, m->n_face);
+    if (!m->label) return sn_fail(err, SN_ENOMEM, "body: no memory");
+    for (int32_t f = 0; f < m->n_face; f++) {
+        const int32_t *v = m->face + 3 * (size_t)f;
+        sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1])), sn_tri_mesh_point(m, v[2]));
+        c = sn_v3_scale(1.0 / 3.0, c);
+        double best = sn_bvh_closest(s->skin, c).dist;
+        m->label[f] = SN_LABEL_SKIN;
+        for (int32_t i = 0; i < s->n_bone; i++) {
+            double d = sn_bvh_closest(s->bone[i], c).dist;
+            if (d < best) {
+                best = d;
+                m->label[f] = SN_LABEL_BONE(i);
+            }
+        }
+    }
+    return SN_OK;
+}
+
+static sn_status sampled_difference(const corefine_job *job, const sn_body_options *opt, const sn_run *run,
+                                    sn_tri_mesh *out, sn_error *err)
+{
+    sampler s = {NULL, SN_NEW_ZERO(sn_bvh *, job->n_bone), job->n_bone};
+    sn_polygonize p = {tissue_value, &s, sn_tri_mesh_bounds(job->skin),
+                       SAMPLE_CELL * fmin(opt->edge_length, opt->bone_edge_length), true};
+    sn_status st = s.bone ? sn_bvh_create(&s.skin, job->skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    for (int32_t i = 0; !st && i < job->n_bone; i++) st = sn_bvh_create(&s.bone[i], job->bone[i], err);
+    if (!st) st = sn_polygonize_run(&p, run, out, err);
+    if (!st && out->n_face == 0) st = sn_fail(err, SN_EMESH, "the bones leave no soft tissue inside the skin");
+    if (!st) st = label_by_nearest(&s, out, err);
+    if (st) sn_tri_mesh_free(out);
+    for (int32_t i = 0; s.bone && i < job->n_bone; i++) sn_bvh_destroy(s.bone[i]);
+    sn_release(s.bone);
+    sn_bvh_destroy(s.skin);
+    return st;
+}
+
+/* ---- remeshing ---- */
+
+/* Volume under the faces of bones, taken positive; up to the openings where bones poke through the skin. */
+static double bone_volume(const sn_tri_mesh *m)
+{
+    sn_vec3 o = {0, 0, 0};
+    double sum = 0.0;
+    int64_t n = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int32_t f = 0; f < m->n_face; f++) {
+            if (m->label[f] == SN_LABEL_SKIN) continue;
+            const int32_t *v = m->face + 3 * (size_t)f;
+            sn_vec3 p[3] = {sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1]), sn_tri_mesh_point(m, v[2])};
+            if (pass == 0) {
+                n++;
+                o = sn_v3_mad(o, 1.0 / (double)n, sn_v3_sub(p[0], o));
+            } else {
+                sum -= sn_v3_det(sn_v3_sub(p[0], o), sn_v3_sub(p[1], o), sn_v3_sub(p[2], o)) / 6.0;
+            }
+        }
+    return sum;
+}
+
+/* Remeshes until the bones keep their volume and nothing crosses. *clean: nothing crosses. */
+static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32_t n_bone, const sn_run *run,
+                        sn_tri_mesh *out, bool *clean, sn_body_report *report, sn_error *err)
+{
+    double *length = SN_NEW(double, n_bone + 1);
+    if (!length) return sn_fail(err, SN_ENOMEM, "body: no memory");
+    for (int32_t i = 0; i <= n_bone; i++) length[i] = i == SN_LABEL_SKIN ? opt->edge_length : opt->bone_edge_length;
+    sn_remesh r = {.edge_length = opt->edge_length, .label_length = length, .n_label = n_bone + 1, .max_deviation = 0.08};
+    sn_remesh_report rr = {0};
+    sn_status st = SN_OK;
+    report->bone_volume_exact = bone_volume(in);
+    for (int i = 0; i < REMESH_TRIES; i++) {
+        st = sn_remesh_run(in, &r, run, out, &rr, err);
+        if (st) break;
+        report->bone_volume = bone_volume(out);
+        double change = fabs(report->bone_volume - report->bone_volume_exact);
+        if (rr.crossings_after == 0 && change <= MAX_BONE_VOLUME_CHANGE * report->bone_volume_exact) break;
+        r.max_deviation *= 0.5;
+    }
+    *clean = rr.crossings_after == 0;
+    report->crossings_cured = rr.crossings_before - rr.crossings_after;
+    sn_release(length);
+    return st;
+}
+
+sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone, bool is_exact_possible,
+                          const sn_body_options *opt, const sn_run *run, sn_tri_mesh *out, sn_body_report *report,
+                          sn_notes *notes, sn_error *err)
+{
+    corefine_job job = {skin, bone, n_bone};
+    sn_tri_mesh raw;
+    sn_tri_mesh_init(&raw);
+    bool clean = false;
+    sn_status st = SN_OK;
+    if (is_exact_possible) {
+        sn_error why;
+        st = exact_difference(&job, opt, run, &raw, &why);
+        if (!st && raw.n_face == 0) st = sn_fail(&why, SN_EMESH, "the bones leave no soft tissue inside the skin");
+        else if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, &why);
+        if (st && st != SN_EMESH) {
+            if (err) *err = why;
+            goto done;
+        }
+        if (!clean)
+            sn_notes_add(notes, "%s: the surfaces are resampled", st ? why.msg : "remeshing left crossing faces");
+    }
+    if (!clean) {
+        report->was_resampled = true;
+        st = sampled_difference(&job, opt, run, &raw, err);
+        if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, err);
+        if (!st && !clean) st = sn_fail(err, SN_EMESH, "the surfaces cross each other and could not be mended");
+    }
+    report->n_surface_face = out->n_face;
+done:
+    sn_tri_mesh_free(&raw);
+    if (st) sn_tri_mesh_free(out);
+    return st;
+}
