@@ -14,6 +14,7 @@
 #define SLIVER 0.15               /* height over base of a cap that a split of its base may cure          */
 #define CREASE_COS 0.6            /* an edge bent by more than 53 degrees is kept as a crease             */
 #define KEEP_NORMAL_COS 0.6       /* no step turns a sound triangle by more than this                     */
+#define VOLUME_PASSES 2
 #define DEFAULT_ITERATIONS 6
 #define DEFAULT_DEVIATION 0.08
 
@@ -126,44 +127,19 @@ static bool register_tri(remesher *r, int32_t t)
     return rm_grid_add(&r->grid, &r->mesh, t);
 }
 
-/* The four triangles that a split at p would make. */
-static void split_patch(const rm_mesh *m, int32_t h, sn_vec3 p, patch *out)
-{
-    int32_t side[2] = {h, m->twin[h]};
-    *out = (patch){.n_old = 2, .n_new = 4};
-    for (int s = 0; s < 2; s++) {
-        triangle t = triangle_at(m, side[s] / 3);
-        int k = (int)(side[s] % 3);
-        out->old[s] = side[s] / 3;
-        for (int half = 0; half < 2; half++) {
-            triangle *n = &out->tri[2 * s + half];
-            *n = t;
-            n->p[(k + 1 - half) % 3] = p;
-            n->id[(k + 1 - half) % 3] = (int32_t)m->n_vert;
-        }
-    }
-}
-
-static sn_status split_at(remesher *r, int32_t h, sn_vec3 p, bool *done, sn_error *err)
+/* A split leaves the surface where it is up to a rounding of p: it needs no guard. */
+static sn_status split_at(remesher *r, int32_t h, sn_vec3 p, sn_error *err)
 {
     rm_mesh *m = &r->mesh;
-    patch now;
-    split_patch(m, h, p, &now);
-    *done = false;
-    if (crosses_anything(r, &now)) {
-        r->report.refused++;
-        return SN_OK;
-    }
+    int32_t t = h / 3, u = m->twin[h] / 3;
     if (!rm_mesh_room(m)) return sn_fail(err, SN_ENOMEM, "remesh: no memory");
-    rm_grid_remove(&r->grid, m, now.old[0]);
-    rm_grid_remove(&r->grid, m, now.old[1]);
+    rm_grid_remove(&r->grid, m, t);
+    rm_grid_remove(&r->grid, m, u);
     rm_split(m, h, p);
     int32_t n = (int32_t)m->n_tri;
-    if (!register_tri(r, now.old[0]) || !register_tri(r, now.old[1]) || !register_tri(r, n - 1) ||
-        !register_tri(r, n - 2))
+    if (!register_tri(r, t) || !register_tri(r, u) || !register_tri(r, n - 1) || !register_tri(r, n - 2))
         return sn_fail(err, SN_ENOMEM, "remesh: no memory");
     r->report.splits++;
-    *done = true;
     return SN_OK;
 }
 
@@ -179,18 +155,55 @@ static bool cap_foot(const remesher *r, int32_t h, sn_vec3 *foot)
     return sn_v3_dist(*foot, c) < SLIVER * sqrt(len2);
 }
 
+static bool is_border(const rm_mesh *m, int32_t h)
+{
+    return m->label[h / 3] != m->label[m->twin[h] / 3];
+}
+
+/* The longest side of a triangle; ties go to the edge with the lowest half-edge, so that neighbours agree. */
+static int32_t longest_side(const rm_mesh *m, int32_t t)
+{
+    int32_t best = -1, best_id = 0;
+    double best_len = -1.0;
+    for (int32_t h = 3 * t; h < 3 * t + 3; h++) {
+        int32_t id = h < m->twin[h] ? h : m->twin[h];
+        double len = edge_len(m, h);
+        if (len > best_len || (len == best_len && id < best_id)) {
+            best = h;
+            best_len = len;
+            best_id = id;
+        }
+    }
+    return best;
+}
+
+/* From h across ever longer sides to an edge that is the longest of both its triangles (Rivara 1984): halving that
+ * one first keeps the triangles from thinning out, which halving in any order does not. */
+static int32_t edge_to_halve(const rm_mesh *m, int32_t h)
+{
+    for (;;) {
+        int32_t e = longest_side(m, h / 3), f = longest_side(m, m->twin[e] / 3);
+        if (f == m->twin[e]) return e;
+        h = f;
+    }
+}
+
+/* Long edges in halves; on label borders, where no flip is allowed, caps at their foot. */
 static sn_status split_pass(remesher *r, sn_error *err)
 {
     rm_mesh *m = &r->mesh;
     sn_status st = SN_OK;
+    int32_t n_before = (int32_t)(3 * m->n_tri);
     for (int32_t h = 0; h < (int32_t)(3 * m->n_tri); h++) { /* also the half-edges made on the way */
         if (!rm_alive(m, h / 3)) continue;
         sn_vec3 foot;
-        bool done = true;
-        if (edge_len(m, h) > SPLIT_ABOVE * edge_target(r, h))
-            st = split_at(r, h, sn_v3_lerp(m->pos[m->vert[h]], m->pos[m->vert[rm_next(h)]], 0.5), &done, err);
-        else if (m->crease[h] && cap_foot(r, h, &foot) && edge_len(m, h) > TINY_EDGE * edge_target(r, h))
-            st = split_at(r, h, foot, &done, err);
+        while (!st && edge_len(m, h) > SPLIT_ABOVE * edge_target(r, h)) {
+            int32_t e = edge_to_halve(m, h);
+            st = split_at(r, e, sn_v3_lerp(m->pos[m->vert[e]], m->pos[m->vert[rm_next(e)]], 0.5), err);
+        }
+        double length = edge_len(m, h);
+        if (!st && h < n_before && is_border(m, h) && length > TINY_EDGE * edge_target(r, h) && cap_foot(r, h, &foot))
+            st = split_at(r, h, foot, err);
         if (st) return st;
         if (h % 65536 == 0 && (st = sn_run_step(r->run, "remeshing", -1.0, err))) return st;
     }
@@ -404,6 +417,24 @@ static bool move_keeps_shape(const rm_mesh *m, const patch *p)
     return after > 0.2 || after >= before;
 }
 
+/* Moves v when the surface stays sound. */
+static sn_status try_move(remesher *r, int32_t v, sn_vec3 to, sn_error *err)
+{
+    rm_mesh *m = &r->mesh;
+    patch p;
+    if (!move_patch(m, v, to, &p) || !move_keeps_shape(m, &p)) return SN_OK;
+    if (crosses_anything(r, &p)) {
+        r->report.refused++;
+        return SN_OK;
+    }
+    for (int i = 0; i < p.n_old; i++) rm_grid_remove(&r->grid, m, p.old[i]);
+    m->pos[v] = to;
+    for (int i = 0; i < p.n_old; i++)
+        if (!register_tri(r, p.old[i])) return sn_fail(err, SN_ENOMEM, "remesh: no memory");
+    r->report.moves++;
+    return SN_OK;
+}
+
 static sn_status smooth_pass(remesher *r, sn_error *err)
 {
     rm_mesh *m = &r->mesh;
@@ -414,24 +445,80 @@ static sn_status smooth_pass(remesher *r, sn_error *err)
     for (int32_t v = 0; v < n; v++)
         if (m->out[v] >= 0) to[v] = rm_crease_count(m, v) ? m->pos[v] : smooth_target(r, v);
     sn_status st = SN_OK;
-    for (int32_t v = 0; v < n && !st; v++) {
-        if (m->out[v] < 0) continue;
-        double moved = sn_v3_dist(to[v], m->pos[v]);
-        patch p;
-        if (moved < 0.01 * edge_target(r, m->out[v]) || !move_patch(m, v, to[v], &p) || !move_keeps_shape(m, &p))
-            continue;
-        if (crosses_anything(r, &p)) {
-            r->report.refused++;
-            continue;
-        }
-        for (int i = 0; i < p.n_old; i++) rm_grid_remove(&r->grid, m, p.old[i]);
-        m->pos[v] = to[v];
-        for (int i = 0; i < p.n_old && !st; i++)
-            if (!register_tri(r, p.old[i])) st = sn_fail(err, SN_ENOMEM, "remesh: no memory");
-        r->report.moves++;
-    }
+    for (int32_t v = 0; v < n && !st; v++)
+        if (m->out[v] >= 0 && sn_v3_dist(to[v], m->pos[v]) >= 0.01 * edge_target(r, m->out[v]))
+            st = try_move(r, v, to[v], err);
     sn_release(to);
     return st ? st : sn_run_step(r->run, "remeshing", -1.0, err);
+}
+
+/* ---- volume ---- */
+
+/* What a polyhedron's facets lose at its ridges when vertices move off them adds up: thin bones would shrink by some
+ * percent. Each label's patch is moved along its normals by the lost volume over its area. */
+typedef struct patch_size {
+    double volume, area; /* volume: of the cone from the origin below; only differences mean something */
+} patch_size;
+
+static void add_triangle(patch_size *s, const triangle *t, sn_vec3 origin)
+{
+    s->volume += sn_v3_det(sn_v3_sub(t->p[0], origin), sn_v3_sub(t->p[1], origin), sn_v3_sub(t->p[2], origin)) / 6.0;
+    s->area += 0.5 * sn_v3_len(normal(t));
+}
+
+static int32_t label_count(const rm_mesh *m)
+{
+    int32_t n = 0;
+    for (size_t t = 0; t < m->n_tri; t++) n = m->label[t] >= n ? m->label[t] + 1 : n;
+    return n;
+}
+
+/* Sizes of all labels' patches; labels are small numbers from 0. */
+static patch_size *measure_patches(const rm_mesh *m, int32_t n_label, sn_vec3 origin)
+{
+    patch_size *s = SN_NEW_ZERO(patch_size, n_label);
+    for (size_t t = 0; s && t < m->n_tri; t++) {
+        if (!rm_alive(m, (int32_t)t)) continue;
+        triangle tri = triangle_at(m, (int32_t)t);
+        add_triangle(&s[m->label[t]], &tri, origin);
+    }
+    return s;
+}
+
+/* The area-weighted normal at v; false on label borders, which stay. */
+static bool patch_normal(const rm_mesh *m, int32_t v, sn_vec3 *out)
+{
+    int32_t h = m->out[v], i = h;
+    sn_vec3 n = {0, 0, 0};
+    do {
+        triangle t = triangle_at(m, i / 3);
+        if (t.label != m->label[h / 3]) return false;
+        n = sn_v3_add(n, normal(&t));
+        i = rm_spin(m, i);
+    } while (i != h);
+    *out = sn_v3_unit(n);
+    return true;
+}
+
+static sn_status restore_volume(remesher *r, const patch_size *want, int32_t n_label, sn_vec3 origin, sn_error *err)
+{
+    rm_mesh *m = &r->mesh;
+    sn_status st = SN_OK;
+    for (int pass = 0; pass < VOLUME_PASSES && !st; pass++) {
+        patch_size *now = measure_patches(m, n_label, origin);
+        if (!now) return sn_fail(err, SN_ENOMEM, "remesh: no memory");
+        for (int32_t v = 0; v < (int32_t)m->n_vert && !st; v++) {
+            sn_vec3 n;
+            if (m->out[v] < 0 || !patch_normal(m, v, &n)) continue;
+            int32_t label = m->label[m->out[v] / 3];
+            double most = r->deviation * target_of(r, label);
+            double d = now[label].area > 0.0 ? (want[label].volume - now[label].volume) / now[label].area : 0.0;
+            d = fmax(-most, fmin(most, d));
+            if (fabs(d) > 1e-6 * most) st = try_move(r, v, sn_v3_mad(m->pos[v], d, n), err);
+        }
+        sn_release(now);
+    }
+    return st;
 }
 
 /* ---- the whole ---- */
@@ -461,16 +548,21 @@ static sn_status count_crossings(const sn_tri_mesh *m, const sn_run *run, int64_
 static sn_status run_passes(remesher *r, sn_error *err)
 {
     int n = r->opt->iterations ? r->opt->iterations : DEFAULT_ITERATIONS;
-    for (int i = 0; i < n; i++) {
-        sn_status st = sn_run_step(r->run, "remeshing", (double)i / n, err);
+    sn_vec3 origin = r->mesh.pos[0];
+    int32_t n_label = label_count(&r->mesh);
+    patch_size *want = measure_patches(&r->mesh, n_label, origin);
+    sn_status st = want ? SN_OK : sn_fail(err, SN_ENOMEM, "remesh: no memory");
+    for (int i = 0; i < n && !st; i++) {
+        st = sn_run_step(r->run, "remeshing", (double)i / n, err);
         if (!st) st = split_pass(r, err);
         if (!st) st = collapse_pass(r, err);
         if (!st) st = flip_pass(r, err);
         if (!st) st = smooth_pass(r, err);
         if (!st && i == n - 1) st = flip_pass(r, err);
-        if (st) return st;
     }
-    return SN_OK;
+    if (!st) st = restore_volume(r, want, n_label, origin, err);
+    sn_release(want);
+    return st;
 }
 
 static void measure_moves(remesher *r, const sn_tri_mesh *out)

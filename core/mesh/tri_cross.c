@@ -197,16 +197,72 @@ static int align(const sn_vec3 p[3], const int i[3], const sn_vec3 q[3], const i
     return n;
 }
 
+/* ---- plainly apart: what rounding cannot overturn, so that flat regions need no exact arithmetic ---- */
+
+#define APART_REL 1e-14 /* margin over coordinate size: some 50 roundings */
+
+static double size_of(sn_vec3 a)
+{
+    return fabs(a.x) + fabs(a.y) + fabs(a.z);
+}
+
+static double margin_of(const tri *s, const tri *t)
+{
+    double m = 0.0;
+    for (int k = 0; k < 3; k++) m = fmax(m, fmax(size_of(s->v[k]), size_of(t->v[k])));
+    return APART_REL * m;
+}
+
+/* Whether the plane across n through o keeps corners from `from` on of s on its back and those of t on its front;
+ * `from` = 1: o is the shared corner; 0: any plane across n will do. */
+static bool splits(sn_vec3 n, sn_vec3 o, const tri *s, const tri *t, int from, double margin)
+{
+    double high = -INFINITY, low = INFINITY, m = margin * size_of(n);
+    for (int k = from; k < 3; k++) {
+        high = fmax(high, sn_v3_dot(n, sn_v3_sub(s->v[k], o)));
+        low = fmin(low, sn_v3_dot(n, sn_v3_sub(t->v[k], o)));
+    }
+    return from ? high < -m && low > m : low - high > m;
+}
+
+static sn_vec3 direction(const tri *t)
+{
+    return sn_v3_add(sn_v3_unit(sn_v3_sub(t->v[1], t->v[0])), sn_v3_unit(sn_v3_sub(t->v[2], t->v[0])));
+}
+
+/* The planes that hold an edge of s and stand upright on it. */
+static bool edge_splits(const tri *s, const tri *t, double margin)
+{
+    sn_vec3 up = sn_v3_cross(sn_v3_sub(s->v[1], s->v[0]), sn_v3_sub(s->v[2], s->v[0]));
+    for (int k = 0; k < 3; k++) {
+        sn_vec3 n = sn_v3_cross(sn_v3_sub(s->v[(k + 1) % 3], s->v[k]), up);
+        if (splits(n, s->v[k], s, t, 0, margin)) return true;
+    }
+    return false;
+}
+
+static bool plainly_apart(const tri *s, const tri *t, int n_shared)
+{
+    double margin = margin_of(s, t);
+    if (n_shared == 0) return edge_splits(s, t, margin) || edge_splits(t, s, margin);
+    if (n_shared == 1) return splits(sn_v3_sub(direction(t), direction(s)), s->v[0], s, t, 1, margin);
+    sn_vec3 e = sn_v3_sub(s->v[1], s->v[0]), u = sn_v3_sub(s->v[2], s->v[0]), v = sn_v3_sub(t->v[2], t->v[0]);
+    sn_vec3 a = sn_v3_cross(e, u), b = sn_v3_cross(e, v); /* they point apart across a flat edge */
+    double longest = sqrt(fmax(sn_v3_len2(u), sn_v3_len2(v))), l2 = sn_v3_len2(e);
+    return sn_v3_dot(a, b) < -4.0 * margin * l2 * (longest + sqrt(l2));
+}
+
 bool sn_triangles_cross(const sn_vec3 p[3], const int i[3], const sn_vec3 q[3], const int j[3])
 {
     tri s, t;
-    switch (align(p, i, q, j, &s, &t)) {
+    int n_shared = align(p, i, q, j, &s, &t);
+    switch (n_shared) {
     case 0:
-        return !boxes_apart(&s, &t) && cross_apart(&s, &t);
+        return !boxes_apart(&s, &t) && !plainly_apart(&s, &t, 0) && cross_apart(&s, &t);
     case 1:
-        return cross_at_corner(&s, &t);
+        return !plainly_apart(&s, &t, 1) && cross_at_corner(&s, &t);
     case 2:
-        return folds_at_edge(&s, &t);
+        return !plainly_apart(&s, &t, 2) && folds_at_edge(&s, &t);
     default:
         return true;
     }

@@ -2,8 +2,16 @@
  *
  * Muscle surfaces are not meshed: each tet that can show a surface is drawn and its fragment shader finds the
  * first change from fat to a muscle along the ray, exactly: all fields are linear inside a tet, so it is the
- * smallest root of f_i - f_fat over the tet's candidate muscles [A 3.6]. Tets with one tissue only are never
- * sent. */
+ * smallest root of f_i - f_fat over the tet's candidate muscles [A 3.6]. Tets in which no fat or no muscle
+ * wins are never sent. Where a muscle reaches the border of the tet mesh (bone, skin, a symmetry plane), the
+ * border is its surface.
+ *
+ * With a clip plane, the cut is a section as in an atlas: plain colours of the tissues (fat is pale cream),
+ * bones capped in their own, dark lines between. The section shows only to an eye on the removed side. Bones
+ * that are not closed get no cap. Curves are laid over the rest, faint where something solid hides them.
+ *
+ * Each call makes its own OpenGL context and leaves no context current. LP_NUM_THREADS sets the threads that
+ * llvmpipe draws with; sn_run only those that prepare. */
 #ifndef SN_RENDER_PICTURE_H
 #define SN_RENDER_PICTURE_H
 
@@ -38,7 +46,8 @@ typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised
     const sn_tri_mesh *skin; /* NULL: none */
     const sn_picture_curve *curve;
     int32_t n_curve;
-    double unit; /* a length of the scene (box diagonal) that line widths etc. may use */
+    double unit; /* a length of the scene (box diagonal) that widths of lines and shadows follow; 0: from what
+                    is there */
 } sn_picture_scene;
 
 typedef struct sn_picture_options {
@@ -59,8 +68,11 @@ typedef struct sn_picture_stats {
     bool is_blank; /* every pixel is the background */
 } sn_picture_stats;
 
-/* Draws into *out (init-ed). The same input on the same machine gives the same pixels. stats: NULL to skip.
- * Errors: SN_EINVAL (size, camera), SN_ERENDER (context, shader: with GL's log), SN_ENOMEM, SN_ECANCEL. */
+/* Draws into *out (init-ed; empty on error). The same input on the same machine gives the same pixels, with
+ * any number of threads. Large pictures are drawn in tiles, memory stays bounded. stats: NULL to skip. The
+ * tets must be valid (sn_tet_mesh_validate). Errors: SN_EINVAL (size, camera, an option out of range, a field
+ * value that is not finite: names it), SN_ERENDER (context, shader: with GL's log), SN_ENOMEM, SN_ECANCEL,
+ * SN_ELIMIT. */
 SN_MUST_USE sn_status sn_picture_draw(const sn_picture_scene *s, const sn_picture_options *opt,
                                       const sn_run *run, sn_image *out, sn_picture_stats *stats,
                                       sn_error *err);

@@ -12,7 +12,7 @@ static const double border_crease_deg = 50.0;
 static const sn_rgb fat_color = {0.965f, 0.925f, 0.780f}; /* pale cream */
 
 typedef struct pieces { /* triangles waiting to be sent */
-    float *corner;      /* 18 per triangle: place and normal */
+    float *corner;      /* 27 per triangle: place, normal; number of the corner, triangle, 0 */
     float *face;        /* 4 per triangle: first texel, number of candidates */
     float *cand;        /* 4 per candidate: g at the corners, muscle */
     size_t corner_cap, face_cap, cand_cap, n_face, n_cand;
@@ -34,7 +34,7 @@ static sn_status pieces_send(pieces *p, sn_cut_batch **list, int *n_list, const 
     *list = more;
     sn_cut_batch *b = &more[(*n_list)++];
     b->n_vert = (GLsizei)(3 * p->n_face);
-    b->array = sn_gl_vertex_array(&f->gl, 2, p->corner, 3 * p->n_face);
+    b->array = sn_gl_vertex_array(&f->gl, 3, p->corner, 3 * p->n_face);
     b->face = sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->face, 4 * p->n_face * sizeof(float));
     b->cand = p->n_cand > 0 ? sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->cand, 4 * p->n_cand * sizeof(float))
                             : sn_gl_buffer_texture(&f->gl, GL_RGBA32F, none, sizeof none);
@@ -58,16 +58,19 @@ static double value_at(const sn_picture_scene *s, int32_t i_muscle, const cut_co
 static sn_status pieces_add(pieces *p, const sn_frame *f, const cut_corner c[3], const int32_t *muscle,
                             int32_t n, sn_error *err)
 {
-    if (!sn_grow(&p->corner, &p->corner_cap, 18 * (p->n_face + 1), sizeof(float)) ||
+    if (!sn_grow(&p->corner, &p->corner_cap, 27 * (p->n_face + 1), sizeof(float)) ||
         !sn_grow(&p->face, &p->face_cap, 4 * (p->n_face + 1), sizeof(float)) ||
         !sn_grow(&p->cand, &p->cand_cap, 4 * (p->n_cand + (size_t)n), sizeof(float)))
         return sn_fail(err, SN_ENOMEM, "picture: no memory for %zu section triangles", p->n_face + 1);
     for (int k = 0; k < 3; k++) {
-        float *q = p->corner + 18 * p->n_face + 6 * k;
+        float *q = p->corner + 27 * p->n_face + 9 * k;
         sn_frame_place(f, c[k].place, q);
         q[3] = (float)c[k].normal.x;
         q[4] = (float)c[k].normal.y;
         q[5] = (float)c[k].normal.z;
+        q[6] = (float)k;
+        q[7] = (float)p->n_face;
+        q[8] = 0.0f;
     }
     float *face = p->face + 4 * p->n_face++;
     face[0] = (float)p->n_cand;

@@ -10,7 +10,7 @@
 enum { batch_tets = 65536, cand_texels = 5 };
 
 typedef struct batch_data { /* what one batch uploads */
-    float *place;           /* 12 per tet */
+    float *corner;          /* 24 per tet: per corner its place; its number, the tet of the batch, 0 */
     float *tet;  /* 8 per tet: the eye's barycentric coordinates, first texel and number of candidates */
     float *cand; /* 20 per candidate: g at the corners; normal at each corner (the first with the muscle) */
     uint32_t *index; /* at most 9 per tet: a tet shows the eye at most three faces */
@@ -18,7 +18,7 @@ typedef struct batch_data { /* what one batch uploads */
 
 static void batch_free(batch_data *b)
 {
-    sn_release(b->place);
+    sn_release(b->corner);
     sn_release(b->tet);
     sn_release(b->cand);
     sn_release(b->index);
@@ -26,11 +26,11 @@ static void batch_free(batch_data *b)
 
 static sn_status batch_reserve(batch_data *b, size_t n_tet, size_t n_cand, sn_error *err)
 {
-    b->place = SN_NEW(float, 12 * n_tet);
+    b->corner = SN_NEW(float, 24 * n_tet);
     b->tet = SN_NEW(float, 8 * n_tet);
     b->cand = SN_NEW(float, 4 * cand_texels * n_cand);
     b->index = SN_NEW(uint32_t, 12 * n_tet);
-    if (b->place && b->tet && b->cand && b->index) return SN_OK;
+    if (b->corner && b->tet && b->cand && b->index) return SN_OK;
     return sn_fail(err, SN_ENOMEM, "picture: no memory to send %zu tets", n_tet);
 }
 
@@ -64,7 +64,11 @@ static void fill_tet(batch_data *b, const sn_muscle_tets *m, const sn_frame *f, 
     sn_vec3 p[4];
     for (int k = 0; k < 4; k++) {
         p[k] = sn_v3_sub(sn_tet_mesh_point(mesh, v[k]), f->eye);
-        sn_frame_place(f, sn_tet_mesh_point(mesh, v[k]), b->place + 12 * at + 3 * k);
+        float *corner = b->corner + 24 * at + 6 * k;
+        sn_frame_place(f, sn_tet_mesh_point(mesh, v[k]), corner);
+        corner[3] = (float)k;
+        corner[4] = (float)at;
+        corner[5] = 0.0f;
     }
     int64_t c0 = m->cand.first[i_sent], c1 = m->cand.first[i_sent + 1];
     float *tet = b->tet + 8 * at;
@@ -99,7 +103,7 @@ static sn_status send_batch(sn_tet_batch *out, const sn_muscle_tets *m, const sn
     for (int32_t i = i0; i < i1; i++) fill_tet(&b, m, f, i, (size_t)(i - i0), c0);
     size_t n_index = fill_index(&b, n_tet);
     out->n_index = (GLsizei)n_index;
-    out->array = sn_gl_vertex_array(&f->gl, 1, b.place, 4 * n_tet);
+    out->array = sn_gl_vertex_array(&f->gl, 2, b.corner, 4 * n_tet);
     (void)sn_gl_buffer(&f->gl, GL_ELEMENT_ARRAY_BUFFER, b.index, n_index * sizeof *b.index);
     out->tet = sn_gl_buffer_texture(&f->gl, GL_RGBA32F, b.tet, 8 * n_tet * sizeof(float));
     out->cand =

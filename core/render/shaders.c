@@ -1,9 +1,10 @@
 /* shaders.c - the GLSL sources.
  *
- * Solid things are drawn in two steps. The passes write what is seen at each sample: its colour (sRGB, alpha = gloss), its
- * normal towards the eye, what it is (`kind`, below) and its depth. The final pass lights it.
+ * Solid things are drawn in two steps. The passes write what is seen at each sample: its colour (sRGB, alpha
+ * = gloss), its normal towards the eye, what it is (`kind`, below) and its depth. The final pass lights it.
  * All positions count from the eye, so that single precision is enough wherever the scene lies.
- * kind: 0 background; 1..511 a bone; 512..1023 a muscle; the same numbers negative, or -1024 for fat, in a section. */
+ * kind: 0 background; 1..511 a bone; 512..1023 a muscle; the same numbers negative, or -1024 for fat, in a
+ * section. */
 #include "render/shaders.h"
 
 #include <stddef.h>
@@ -26,18 +27,19 @@ static const char solid_out[] =
     "uniform mat3 u_turn;\n"
     "uniform vec4 u_plane;\n";
 
-/* Corner k of tet i is vertex 4 i + k: its barycentric coordinates are the k-th unit vector. */
+/* a_corner: which corner of which tet. (gl_VertexID would tell, but softpipe counts it wrongly in long draws.) */
 static const char muscle_vs[] =
     "layout(location = 0) in vec3 a_place;\n"
+    "layout(location = 1) in vec3 a_corner;\n"
     "out vec4 v_bary;\n"
     "out vec3 v_place;\n"
     "flat out int v_tet;\n"
     "void main()\n"
     "{\n"
-    "    int k = gl_VertexID & 3;\n"
+    "    int k = int(a_corner.x);\n"
     "    v_bary = vec4(k == 0, k == 1, k == 2, k == 3);\n"
     "    v_place = a_place;\n"
-    "    v_tet = gl_VertexID >> 2;\n"
+    "    v_tet = int(a_corner.y);\n"
     "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
     "}\n";
 
@@ -56,9 +58,10 @@ static const char muscle_fs[] =
     "    vec4 list = texelFetch(u_tet, 2 * v_tet + 1);\n"
     "    vec4 pace = v_bary - eye;\n"
     "    float t_in = 0.0, t_out = 1e30;\n"
+    "    // The tet is taken a hair larger: a ray along a shared face is given to one of its tets only, and rounding must not\n"
+    "    // put it wholly into the other.\n"
     "    for (int k = 0; k < 4; k++)\n"
-    "        if (pace[k] < 0.0) t_out = min(t_out, max(v_bary[k], 0.0) / -pace[k]);\n"
-    "    t_out *= 1.0001;\n"
+    "        if (pace[k] < 0.0) t_out = min(t_out, (max(v_bary[k], 0.0) + 1e-4) / -pace[k]);\n"
     "    float h = dot(u_plane, vec4(v_place, 1.0)), dh = dot(u_plane.xyz, v_place);\n"
     "    bool is_cut = false;\n"
     "    if (h > 0.0) {\n"
@@ -96,20 +99,21 @@ static const char muscle_fs[] =
     "    o_shape = vec4(u_turn * normalize(n + 1e-12 * v_place), 512.0 + mod(n0.w, 512.0));\n"
     "}\n";
 
-/* Corner k of triangle i is vertex 3 i + k. */
+/* a_corner: which corner of which triangle. */
 static const char cut_vs[] =
     "layout(location = 0) in vec3 a_place;\n"
     "layout(location = 1) in vec3 a_normal;\n"
+    "layout(location = 2) in vec3 a_corner;\n"
     "uniform float u_is_section;\n"
     "out vec3 v_bary;\n"
     "out vec3 v_normal;\n"
     "flat out int v_face;\n"
     "void main()\n"
     "{\n"
-    "    int k = gl_VertexID % 3;\n"
+    "    int k = int(a_corner.x);\n"
     "    v_bary = vec3(k == 0, k == 1, k == 2);\n"
     "    v_normal = a_normal;\n"
-    "    v_face = gl_VertexID / 3;\n"
+    "    v_face = int(a_corner.y);\n"
     "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
     "    gl_ClipDistance[0] = u_is_section > 0.5 ? 1.0 : -dot(u_plane, vec4(a_place, 1.0));\n"
     "}\n";
@@ -192,7 +196,7 @@ static const char light[] =
     "{\n"
     "    float wide = pow(max(0.0, dot(n, normalize(key_dir + to_eye))), 36.0);\n"
     "    float soft = pow(max(0.0, dot(n, normalize(fill_dir + to_eye))), 14.0);\n"
-    "    return 0.42 * wide + 0.10 * soft;\n"
+    "    return 0.42 * wide + 0.05 * soft;\n"
     "}\n";
 
 /* Weighted sums over all layers, in any order: their mean colour, and exactly how much of the ground is seen. */
@@ -270,7 +274,7 @@ static const char screen[] =
     "    return vec3((pixel + u_origin) * u_slope, -1.0) * distance_of(depth);\n"
     "}\n";
 
-/* How much of the sky is hidden, after McGuire et al. 2011 (keys: core/REFERENCES.md, Alchemy). */
+/* How much of the sky is hidden: McGuire et al., The Alchemy screen-space ambient obscurance algorithm, HPG 2011. */
 static const char occlusion_fs[] =
     "layout(location = 0) out vec4 o_open;\n"
     "uniform float u_radius;\n"
@@ -367,7 +371,7 @@ static const char final_fs[] =
     "        vec4 line = texelFetch(u_line, here, 0);\n"
     "        float d = texelFetch(u_line_depth, here, 0).r;\n"
     "        bool is_hidden = distance_of(d) > distance_of(depth) + 1e-4 * u_unit;\n"
-    "        c = mix(c, vec4(line.rgb, 1.0), line.a * (is_hidden ? 0.34 : 1.0));\n"
+    "        c = mix(c, vec4(line.rgb, 1.0), line.a * (is_hidden ? 0.42 : 1.0));\n"
     "    }\n"
     "    o_picture = c;\n"
     "}\n";

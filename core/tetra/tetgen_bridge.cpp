@@ -59,11 +59,6 @@ void read_output(const tetgenio &io, sn_tetgen_result *out)
     out->face = copy_array(io.trifacelist, 3 * static_cast<size_t>(out->n_face));
     out->face_label = copy_array(io.trifacemarkerlist, static_cast<size_t>(out->n_face));
     for (int32_t f = 0; f < out->n_face; f++) out->face_label[f] -= 1;
-    for (int32_t t = 0; t < out->n_tet; t++) { /* TetGen's corner order is the mirror image of ours */
-        int32_t *c = out->tet + 4 * static_cast<size_t>(t), swap = c[0];
-        c[0] = c[1];
-        c[1] = swap;
-    }
 }
 
 const char *reason(int code)

@@ -37,12 +37,12 @@ static void test_eye_sides(void **state)
         const char *name;
         sn_up up;
         sn_vec3 toward, above; /* from the target to the eye; up in the picture */
-    } want[] = {{"front", SN_UP_Y, {0, 0, 1}, {0, 1, 0}},   {"back", SN_UP_Y, {0, 0, -1}, {0, 1, 0}},
-                {"left", SN_UP_Y, {1, 0, 0}, {0, 1, 0}},    {"right", SN_UP_Y, {-1, 0, 0}, {0, 1, 0}},
-                {"top", SN_UP_Y, {0, 1, 0}, {0, 0, -1}},    {"bottom", SN_UP_Y, {0, -1, 0}, {0, 0, 1}},
-                {"front", SN_UP_Z, {0, -1, 0}, {0, 0, 1}},  {"back", SN_UP_Z, {0, 1, 0}, {0, 0, 1}},
-                {"left", SN_UP_Z, {1, 0, 0}, {0, 0, 1}},    {"right", SN_UP_Z, {-1, 0, 0}, {0, 0, 1}},
-                {"top", SN_UP_Z, {0, 0, 1}, {0, 1, 0}},     {"bottom", SN_UP_Z, {0, 0, -1}, {0, -1, 0}}};
+    } want[] = {{"front", SN_UP_Y, {0, 0, 1}, {0, 1, 0}},  {"back", SN_UP_Y, {0, 0, -1}, {0, 1, 0}},
+                {"left", SN_UP_Y, {1, 0, 0}, {0, 1, 0}},   {"right", SN_UP_Y, {-1, 0, 0}, {0, 1, 0}},
+                {"top", SN_UP_Y, {0, 1, 0}, {0, 0, -1}},   {"bottom", SN_UP_Y, {0, -1, 0}, {0, 0, 1}},
+                {"front", SN_UP_Z, {0, -1, 0}, {0, 0, 1}}, {"back", SN_UP_Z, {0, 1, 0}, {0, 0, 1}},
+                {"left", SN_UP_Z, {1, 0, 0}, {0, 0, 1}},   {"right", SN_UP_Z, {-1, 0, 0}, {0, 0, 1}},
+                {"top", SN_UP_Z, {0, 0, 1}, {0, 1, 0}},    {"bottom", SN_UP_Z, {0, 0, -1}, {0, -1, 0}}};
     for (size_t i = 0; i < sizeof want / sizeof want[0]; i++) {
         sn_camera c = preset(want[i].name, want[i].up, 1.5);
         sn_vec3 right, up, back;
@@ -155,15 +155,19 @@ static void test_messages(void **state)
     sn_vec3 o = {0}, z = {0, 0, 1}, y = {0, 1, 0};
     expect(sn_camera_preset(&c, "frnt", box, SN_UP_Y, 1, &e), SN_EINVAL, &e,
            "unknown view 'frnt' (known: front, back, left, right, top, bottom, iso)");
-    expect(sn_camera_preset(&c, "front", sn_box3_empty(), SN_UP_Y, 1, &e), SN_EINVAL, &e, "empty or not finite");
+    expect(sn_camera_preset(&c, "front", sn_box3_empty(), SN_UP_Y, 1, &e), SN_EINVAL, &e,
+           "empty or not finite");
     expect(sn_camera_preset(&c, "front", box, SN_UP_Y, 0, &e), SN_EINVAL, &e, "aspect (width / height) is 0");
     expect(sn_camera_orbit(&c, NAN, 0, 1, box, SN_UP_Y, 1, &e), SN_EINVAL, &e, "azimuth");
-    expect(sn_camera_orbit(&c, 0, 91, 1, box, SN_UP_Y, 1, &e), SN_EINVAL, &e, "elevation is 91 degrees, need -90..90");
+    expect(sn_camera_orbit(&c, 0, 91, 1, box, SN_UP_Y, 1, &e), SN_EINVAL, &e,
+           "elevation is 91 degrees, need -90..90");
     expect(sn_camera_orbit(&c, 0, 0, 0, box, SN_UP_Y, 1, &e), SN_EINVAL, &e, "zoom is 0, need 0.05..20");
-    expect(sn_camera_look(&c, z, z, y, 30, box, &e), SN_EINVAL, &e, "eye and target are the same point (0, 0, 1)");
+    expect(sn_camera_look(&c, z, z, y, 30, box, &e), SN_EINVAL, &e,
+           "eye and target are the same point (0, 0, 1)");
     expect(sn_camera_look(&c, z, o, z, 30, box, &e), SN_EINVAL, &e, "parallel");
     expect(sn_camera_look(&c, z, o, o, 30, box, &e), SN_EINVAL, &e, "parallel to the view or zero");
-    expect(sn_camera_look(&c, z, o, y, 171, box, &e), SN_EINVAL, &e, "field of view is 171 degrees, need 1..170");
+    expect(sn_camera_look(&c, z, o, y, 171, box, &e), SN_EINVAL, &e,
+           "field of view is 171 degrees, need 1..170");
     expect(sn_camera_look(&c, sn_v3(0, INFINITY, 0), o, y, 30, box, &e), SN_EINVAL, &e, "not finite");
     expect(sn_camera_look(&c, z, o, y, 30, sn_box3_empty(), &e), SN_EINVAL, &e, "empty");
     c = preset("front", SN_UP_Y, 1);
@@ -185,9 +189,12 @@ static void test_look_from_inside(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_eye_sides),      cmocka_unit_test(test_box_fits),
-        cmocka_unit_test(test_ray_and_project_are_inverse), cmocka_unit_test(test_matrices_agree),
-        cmocka_unit_test(test_orbit),          cmocka_unit_test(test_messages),
+        cmocka_unit_test(test_eye_sides),
+        cmocka_unit_test(test_box_fits),
+        cmocka_unit_test(test_ray_and_project_are_inverse),
+        cmocka_unit_test(test_matrices_agree),
+        cmocka_unit_test(test_orbit),
+        cmocka_unit_test(test_messages),
         cmocka_unit_test(test_look_from_inside),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

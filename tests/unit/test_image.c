@@ -93,7 +93,8 @@ static void test_round_trip(void **state)
     assert_memory_equal(one, two, n);
     const char chunk[] = "tEXtRenderer\0llvmpipe, 4.5";
     bool found = false;
-    for (size_t i = 0; i + sizeof chunk <= n; i++) found = found || memcmp(one + i, chunk, sizeof chunk - 1) == 0;
+    for (size_t i = 0; i + sizeof chunk <= n; i++)
+        found = found || memcmp(one + i, chunk, sizeof chunk - 1) == 0;
     assert_true(found);
     for (size_t i = 0; i + 4 <= n; i++) assert_true(memcmp(one + i, "tIME", 4) != 0);
     sn_image_free(&a);
@@ -102,8 +103,10 @@ static void test_round_trip(void **state)
     (void)remove(in_folder("b.PNG"));
 }
 
-/* Writes through libpng what our writer never would. row: bytes as the format wants them, rows of `stride`. */
-static void write_raw(const char *path, int w, int h, int depth, int type, int interlace, unsigned char *rows, int stride)
+/* Writes through libpng what our writer never would. row: bytes as the format wants them, rows of `stride`.
+ */
+static void write_raw(const char *path, int w, int h, int depth, int type, int interlace, unsigned char *rows,
+                      int stride)
 {
     FILE *f = fopen(path, "wb");
     assert_non_null(f);
@@ -114,8 +117,8 @@ static void write_raw(const char *path, int w, int h, int depth, int type, int i
         return;
     }
     png_init_io(png, f);
-    png_set_IHDR(png, info, (png_uint_32)w, (png_uint_32)h, depth, type, interlace, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, (png_uint_32)w, (png_uint_32)h, depth, type, interlace,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     if (type == PNG_COLOR_TYPE_PALETTE) {
         png_color c[3] = {{10, 20, 30}, {40, 50, 60}, {70, 80, 90}};
         png_byte alpha[2] = {255, 100};
@@ -170,7 +173,8 @@ static void test_all_kinds(void **state)
     load_and_compare(path, 9, 9, want);
 }
 
-/* Every shorter file and many damaged ones: an error that names the file, or a picture; never a crash or a leak. */
+/* Every shorter file and many damaged ones: an error that names the file, or a picture; never a crash or a
+ * leak. */
 static void test_damaged(void **state)
 {
     (void)state;
@@ -224,7 +228,8 @@ static void test_too_large(void **state)
     sn_image m;
     sn_error err;
     sn_image_init(&m);
-    expect(sn_image_load(&m, path, &err), SN_ELIMIT, &err, "picture of 200000 x 1 pixels, at most 16384 per side");
+    expect(sn_image_load(&m, path, &err), SN_ELIMIT, &err,
+           "picture of 200000 x 1 pixels, at most 16384 per side");
     assert_null(m.rgba);
     (void)remove(path);
     expect(sn_image_reserve(&m, 200000, 10, &err), SN_EINVAL, &err, "width is 200000 pixels, need 1..16384");
@@ -238,7 +243,8 @@ static void test_unwritable(void **state)
     sn_error err;
     make_image(&m, 2, 2);
     expect(sn_image_save(&m, NULL, 0, "/nonexistent/x.png", &err), SN_EIO, &err, "/nonexistent/x.png");
-    expect(sn_image_save(&m, NULL, 0, in_folder("x.jpg"), &err), SN_EINVAL, &err, "written as .png, found '.jpg'");
+    expect(sn_image_save(&m, NULL, 0, in_folder("x.jpg"), &err), SN_EINVAL, &err,
+           "written as .png, found '.jpg'");
     expect(sn_image_save(&m, NULL, 0, in_folder("x"), &err), SN_EINVAL, &err, "written as .png");
     const sn_image_text bad[] = {{"", "t"}, {" a", "t"}, {"a  b", "t"}, {"a\nb", "t"}};
     for (int i = 0; i < 4; i++)
@@ -261,7 +267,7 @@ static void test_compare(void **state)
     assert_true(d.equal && d.max == 0 && d.count == 0 && d.rmse == 0.0);
     assert_int_equal(diff.rgba[0], diff.rgba[1]);
     for (int i = 0; i < 4; i++) a.rgba[i] = b.rgba[i] = 100;
-    b.rgba[0] = 110;           /* one pixel by 10 and 4 in two channels, another by 2 */
+    b.rgba[0] = 110; /* one pixel by 10 and 4 in two channels, another by 2 */
     b.rgba[3] = 96;
     a.rgba[4 * 5 + 1] = 50;
     b.rgba[4 * 5 + 1] = 52;

@@ -17,6 +17,13 @@
 
 #define PI 3.14159265358979323846
 
+/* Mesa keeps a few bytes per context until the process ends; that is not ours to free. */
+const char *__lsan_default_suppressions(void);
+const char *__lsan_default_suppressions(void)
+{
+    return "leak:libOSMesa\n";
+}
+
 static void ok(sn_status st, const sn_error *err)
 {
     if (st) fail_msg("%s", err->msg);
@@ -91,7 +98,8 @@ static sn_picture_options front(int w, int h)
     sn_picture_options o = {.width = w, .height = h, .samples = 1, .skin_opacity = 0.5};
     sn_error err;
     o.show_muscles = o.show_bones = o.show_skin = o.show_curves = o.show_points = true;
-    ok(sn_camera_preset(&o.camera, "front", (sn_box3){{-1, -1, -1}, {1, 1, 1}}, SN_UP_Y, (double)w / h, &err), &err);
+    ok(sn_camera_preset(&o.camera, "front", (sn_box3){{-1, -1, -1}, {1, 1, 1}}, SN_UP_Y, (double)w / h, &err),
+       &err);
     return o;
 }
 
@@ -143,7 +151,8 @@ static double below_plane(int32_t i, sn_vec3 p) /* muscle where z < 0.3 */
 {
     return i == 0 ? 0.0 : 0.3 - p.z;
 }
-static double two_sides(int32_t i, sn_vec3 p) /* muscle 1 at x < 0, muscle 2 at x > 0, both below z = 0.3 + |x| / 2 */
+static double two_sides(int32_t i,
+                        sn_vec3 p) /* muscle 1 at x < 0, muscle 2 at x > 0, both below z = 0.3 + |x| / 2 */
 {
     return i == 0 ? 0.0 : 0.3 - p.z + (i == 1 ? -0.5 : 0.5) * p.x;
 }
@@ -167,7 +176,8 @@ static double gap_between(int32_t i, sn_vec3 p) /* fat only where |x| < 0.01: in
 {
     return i == 0 ? 0.01 : i == 1 ? p.x : -p.x;
 }
-static double valley_sides(int32_t i, sn_vec3 p) /* three muscles that leave a thin column of fat at the axis */
+static double valley_sides(int32_t i,
+                           sn_vec3 p) /* three muscles that leave a thin column of fat at the axis */
 {
     static const double a[3] = {0.3, 2.4, 4.5};
     return i == 0 ? 0.02 : cos(a[i - 1]) * p.x + sin(a[i - 1]) * p.y;
@@ -206,8 +216,8 @@ static void test_tets_sent(void **state)
     }
 }
 
-/* Against a dense sampling of each tet: every tet where both fat and a muscle win at samples is sent, and of the others
- * only those that hold three or more candidates may be. */
+/* Against a dense sampling of each tet: every tet where both fat and a muscle win at samples is sent, and of
+ * the others only those that hold three or more candidates may be. */
 static void test_sent_against_samples(void **state)
 {
     (void)state;
@@ -261,7 +271,8 @@ static void test_normals(void **state)
             int32_t v = b.mesh.tet[4 * t.tet[i / 4] + i % 4];
             const float *n = sn_muscle_tets_normal(&t, v, 0);
             sn_vec3 want = q ? sn_v3_unit(sn_tet_mesh_point(&b.mesh, v)) : sn_v3(0, 0, 1);
-            assert_near(sn_v3_dot(sn_v3((double)n[0], (double)n[1], (double)n[2]), want), 1.0, q ? 0.06 : 1e-6);
+            assert_near(sn_v3_dot(sn_v3((double)n[0], (double)n[1], (double)n[2]), want), 1.0,
+                        q ? 0.06 : 1e-6);
         }
         sn_muscle_tets_free(&t);
         body_free(&b);
@@ -354,7 +365,8 @@ static void test_border_shows_muscle(void **state)
 
 static double color_gap(const uint8_t *p, sn_rgb c)
 {
-    return fmax(fabs(p[0] - 255.0 * (double)c.r), fmax(fabs(p[1] - 255.0 * (double)c.g), fabs(p[2] - 255.0 * (double)c.b)));
+    return fmax(fabs(p[0] - 255.0 * (double)c.r),
+                fmax(fabs(p[1] - 255.0 * (double)c.g), fabs(p[2] - 255.0 * (double)c.b)));
 }
 
 static void test_section_areas(void **state)
@@ -383,7 +395,8 @@ static void test_section_areas(void **state)
         }
         double all = n_muscle + n_fat + n_line, want = PI * (q ? 0.49 : 0.49 - 0.0009) / 4.0;
         assert_true(n_line < 0.04 * all);
-        assert_near((n_muscle + 0.33 * n_line) / all, want, 0.01); /* a third of the lines is on the muscle's side */
+        assert_near((n_muscle + 0.33 * n_line) / all, want,
+                    0.01); /* a third of the lines is on the muscle's side */
         assert_true(color_gap(at(&m, 200, 200), sn_muscle_color(0)) <= 1.0);
         double x0, y0, x1, y1;
         assert_true(sn_camera_project(&o.camera, sn_v3(-1, 1, o.clip_point.z), 400, 400, &x0, &y0));
@@ -394,7 +407,8 @@ static void test_section_areas(void **state)
     }
 }
 
-/* From the kept side the plane is not a wall: the ball is seen as without it; from the other side nothing is left. */
+/* From the kept side the plane is not a wall: the ball is seen as without it; from the other side nothing is
+ * left. */
 static void test_clip_from_behind(void **state)
 {
     (void)state;
@@ -433,7 +447,8 @@ static void make_box(sn_tri_mesh *m, sn_vec3 lo, sn_vec3 hi)
     assert_true(sn_tri_mesh_volume(m) > 0.0);
 }
 
-/* A small bone a little in front of or behind the muscle's surface: depths of the two ways of drawing agree. */
+/* A small bone a little in front of or behind the muscle's surface: depths of the two ways of drawing agree.
+ */
 static void test_depth_agrees(void **state)
 {
     (void)state;
@@ -443,16 +458,13 @@ static void test_depth_agrees(void **state)
     for (int side = -1; side <= 1; side += 2) {
         sn_tri_mesh bone;
         const sn_tri_mesh *list[1] = {&bone};
-        make_box(&bone, sn_v3(-0.3, -0.3, -0.5), sn_v3(0.3, 0.3, 0.3 + 2e-4 * side));
+        make_box(&bone, sn_v3(-0.8, -0.8, -0.5), sn_v3(0.8, 0.8, 0.3 + 4e-4 * side));
         b.scene.bone = list;
         b.scene.n_bone = 1;
-        sn_picture_options o = front(90, 90);
+        sn_picture_options o = front(301, 301); /* odd: some samples lie exactly on edges of tets */
         (void)draw(&b.scene, &o, &m);
-        for (int y = 40; y < 50; y++)
-            for (int x = 40; x < 50; x++) {fprintf(stderr,"%d %d %d  %g\n",at(&m,x,y)[0],at(&m,x,y)[1],at(&m,x,y)[2],hue_distance(at(&m,x,y),0));
-                bool is_muscle = hue_distance(at(&m, x, y), 0) < 0.3;
-                assert_int_equal(is_muscle, side < 0);
-            }
+        for (int y = 60; y < 240; y++)
+            for (int x = 60; x < 240; x++) assert_int_equal(hue_distance(at(&m, x, y), 0) < 0.3, side < 0);
         sn_image_free(&m);
         sn_tri_mesh_free(&bone);
     }
@@ -517,9 +529,11 @@ static void test_curves_show_through(void **state)
 {
     (void)state;
     body b;
-    double point[3][6] = {{-0.5, 0.5, 0.8, 0.5, 0.5, 0.8}, {-0.5, 0, -0.5, 0.5, 0, -0.5}, {-0.5, -0.5, 0.8, 0.5, -0.5, 0.8}};
+    double point[3][6] = {
+        {-0.5, 0.5, 0.8, 0.5, 0.5, 0.8}, {-0.5, 0, -0.5, 0.5, 0, -0.5}, {-0.5, -0.5, 0.8, 0.5, -0.5, 0.8}};
     double control[6] = {-0.5, 0, 0.8, 0.5, 0, 0.8};
-    sn_picture_curve c[2] = {{point[0], 2, control, 2, {0.1f, 0.2f, 0.9f}}, {point[1], 2, NULL, 0, {0.1f, 0.2f, 0.9f}}};
+    sn_picture_curve c[2] = {{point[0], 2, control, 2, {0.1f, 0.2f, 0.9f}},
+                             {point[1], 2, NULL, 0, {0.1f, 0.2f, 0.9f}}};
     sn_image with, without;
     body_make(&b, 5, 2, below_plane);
     b.scene.curve = c;
@@ -528,11 +542,15 @@ static void test_curves_show_through(void **state)
     (void)draw(&b.scene, &o, &with);
     o.show_curves = o.show_points = false;
     (void)draw(&b.scene, &o, &without);
-    int full = at_point(&with, &o.camera, sn_v3(0, 0.5, 0.8))[0], ground = at_point(&without, &o.camera, sn_v3(0, 0.5, 0.8))[0];
-    int faint = at_point(&with, &o.camera, sn_v3(0.1, 0, -0.5))[0], under = at_point(&without, &o.camera, sn_v3(0.1, 0, -0.5))[0];
-    assert_true(ground - full > 60);                          /* blue on red */
+    int full = at_point(&with, &o.camera, sn_v3(0, 0.5, 0.8))[0],
+        ground = at_point(&without, &o.camera, sn_v3(0, 0.5, 0.8))[0];
+    int faint = at_point(&with, &o.camera, sn_v3(0.1, 0, -0.5))[0],
+        under = at_point(&without, &o.camera, sn_v3(0.1, 0, -0.5))[0];
+    assert_true(ground - full > 60);                                      /* blue on red */
     assert_true(under - faint > 8 && under - faint < ground - full - 30); /* seen, but less */
-    assert_true(at_point(&without, &o.camera, sn_v3(-0.5, 0, 0.8))[0] - at_point(&with, &o.camera, sn_v3(-0.5, 0, 0.8))[0] > 40);
+    assert_true(at_point(&without, &o.camera, sn_v3(-0.5, 0, 0.8))[0] -
+                    at_point(&with, &o.camera, sn_v3(-0.5, 0, 0.8))[0] >
+                40);
     sn_image_free(&with);
     sn_image_free(&without);
     body_free(&b);
@@ -595,7 +613,8 @@ static void test_background_and_blank(void **state)
     sn_image m;
     sn_picture_stats stats = draw(&nothing, &o, &m);
     assert_true(stats.is_blank && stats.tets_sent == 0 && stats.seconds > 0.0);
-    for (int i = 0; i < 40 * 30; i++) assert_memory_equal(m.rgba + 4 * i, ((uint8_t[]){51, 102, 153, 204}), 4);
+    for (int i = 0; i < 40 * 30; i++)
+        assert_memory_equal(m.rgba + 4 * i, ((uint8_t[]){51, 102, 153, 204}), 4);
     sn_image_free(&m);
 }
 
@@ -718,13 +737,15 @@ static void test_corner_normals(void **state)
     ok(sn_corner_normals(&m, 50.0, NULL, n, &err), &err); /* sharp: each corner its own face's */
     for (int i = 0; i < 36; i++) {
         sn_vec3 f = sn_v3_unit(sn_tri_mesh_face_normal(&m, i / 3));
-        assert_near(sn_v3_dot(f, sn_v3((double)n[3 * i], (double)n[3 * i + 1], (double)n[3 * i + 2])), 1.0, 1e-6);
+        assert_near(sn_v3_dot(f, sn_v3((double)n[3 * i], (double)n[3 * i + 1], (double)n[3 * i + 2])), 1.0,
+                    1e-6);
     }
     ok(sn_corner_normals(&m, 100.0, NULL, n, &err), &err); /* smooth: by angle, along the cube's diagonals */
     for (int i = 0; i < 36; i++) {
         sn_vec3 d = sn_v3_sub(sn_tri_mesh_point(&m, m.face[i]), sn_v3(0.5, 0.5, 0.5));
-        assert_near(sn_v3_dot(sn_v3_unit(d), sn_v3((double)n[3 * i], (double)n[3 * i + 1], (double)n[3 * i + 2])), 1.0,
-                    1e-6);
+        assert_near(
+            sn_v3_dot(sn_v3_unit(d), sn_v3((double)n[3 * i], (double)n[3 * i + 1], (double)n[3 * i + 2])),
+            1.0, 1e-6);
     }
     sn_tri_mesh_free(&m);
 }
@@ -745,7 +766,8 @@ static void test_colors(void **state)
 {
     (void)state;
     for (int i = 0; i < 40; i++)
-        for (int j = 0; j < i; j++) assert_true(sn_v3_dist(lab(sn_muscle_color(i)), lab(sn_muscle_color(j))) > 12.0);
+        for (int j = 0; j < i; j++)
+            assert_true(sn_v3_dist(lab(sn_muscle_color(i)), lab(sn_muscle_color(j))) > 12.0);
     for (int i = 0; i + 1 < 500; i++) { /* neighbours differ more; nothing leaves the range */
         sn_rgb c = sn_muscle_color(i);
         assert_true(sn_v3_dist(lab(c), lab(sn_muscle_color(i + 1))) > 15.0);
