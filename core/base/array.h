@@ -3,9 +3,13 @@
 #define SN_BASE_ARRAY_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* As qsort. `less` must order every two different elements (break ties by index): then the result is unique.
  * Never allocates from the sn_ allocator. */
 void sn_sort(void *base, size_t n, size_t size, int (*less)(const void *, const void *));
+
+/* Sorts keys ascending by radix; tmp: room for n. Returns the number of distinct keys, which come first. */
+size_t sn_sort_unique_u64(uint64_t *key, uint64_t *tmp, size_t n);
 
 #endif

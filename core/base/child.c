@@ -56,18 +56,25 @@ static void limit_child(const sn_child *opt)
         struct rlimit lim = {now + opt->memory_limit, now + opt->memory_limit};
         (void)setrlimit(RLIMIT_AS, &lim);
     }
+}
+
+/* Nothing to read, nothing to be seen. Returns fd, or its copy when it had the number of a standard stream. */
+static int mute_child(int fd)
+{
+    if (fd <= STDERR_FILENO) fd = fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     int null = open("/dev/null", O_RDWR);
     if (null >= 0) {
         (void)dup2(null, STDIN_FILENO);
         (void)dup2(null, STDOUT_FILENO);
         (void)dup2(null, STDERR_FILENO);
     }
+    return fd;
 }
 
 static void child_main(const sn_child *opt, sn_status (*fn)(void *, sn_child_out *, sn_error *), void *user, int fd)
 {
     limit_child(opt);
-    sn_child_out out = {fd};
+    sn_child_out out = {mute_child(fd)};
     sn_error err = {SN_OK, ""};
     if (fn(user, &out, &err)) {
         sn_child_send(&out, &err, sizeof err);
@@ -104,6 +111,9 @@ static sn_status judge(const sn_child *opt, int status, const char *data, size_t
     if (WIFEXITED(status) && WEXITSTATUS(status) == EXIT_FAILED && size >= sizeof(sn_error)) {
         sn_error child_err;
         memcpy(&child_err, data + size - sizeof child_err, sizeof child_err);
+        if (child_err.code == SN_ENOMEM && opt->memory_limit > 0)
+            return sn_fail(err, SN_ELIMIT, "%s: memory limit of %zu MiB reached (%s)", opt->step,
+                           opt->memory_limit >> 20, child_err.msg);
         if (err) *err = child_err;
         return child_err.code;
     }

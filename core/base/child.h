@@ -21,8 +21,8 @@ typedef struct sn_child {
 } sn_child;
 
 /* Runs fn in a child and returns what it sent: *data by sn_alloc, *size bytes. When fn fails its status and message
- * come back. Errors besides: crash_status (crash; the message has the signal), SN_ELIMIT (time or memory), SN_ECANCEL,
- * SN_ENOMEM, SN_EINTERNAL (no process or pipe to be had). *data is then NULL. */
+ * come back, but SN_ENOMEM under a memory limit as SN_ELIMIT. Errors besides: crash_status (crash; the message has the
+ * signal), SN_ELIMIT (time), SN_ECANCEL, SN_ENOMEM, SN_EINTERNAL (no process or pipe to be had). *data is then NULL. */
 SN_MUST_USE sn_status sn_child_run(const sn_child *opt, sn_status (*fn)(void *user, sn_child_out *out, sn_error *err),
                                    void *user, const sn_run *run, char **data, size_t *size, sn_error *err);
 

@@ -5,6 +5,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <locale.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -48,21 +49,42 @@ static sn_status io_fail(sn_error *err, const char *path, const char *what, int 
     return sn_fail(err, SN_EIO, "%s: cannot %s: %s", path, what, strerror(code));
 }
 
+/* Pipes and devices may never end, and a rename over them would replace them. */
+static sn_status check_regular(const char *path, const char *what, const struct stat *info, sn_error *err)
+{
+    if (S_ISREG(info->st_mode)) return SN_OK;
+    if (S_ISDIR(info->st_mode)) return io_fail(err, path, what, EISDIR);
+    return sn_fail(err, SN_EIO, "%s: cannot %s: not a regular file", path, what);
+}
+
+/* Not blocking: a pipe that nobody writes to is refused, too. */
+static FILE *open_regular(const char *path, size_t *size, sn_status *st, sn_error *err)
+{
+    struct stat info;
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    FILE *f = fd < 0 ? NULL : fdopen(fd, "rb");
+    *st = f ? SN_OK : io_fail(err, path, "open", errno);
+    if (!f && fd >= 0) (void)close(fd);
+    if (!f) return NULL;
+    if (fstat(fd, &info) != 0)
+        *st = io_fail(err, path, "read", errno);
+    else
+        *st = check_regular(path, "read", &info, err);
+    *size = *st ? 0 : (size_t)info.st_size;
+    return f;
+}
+
 sn_status sn_file_read(const char *path, char **data, size_t *size, sn_error *err)
 {
+    size_t cap = 0, n = 0, expected;
+    sn_status st;
     *data = NULL;
     *size = 0;
-    FILE *f = fopen(path, "rb");
-    if (!f) return io_fail(err, path, "open", errno);
-    sn_status st = SN_OK;
-    struct stat info;
-    if (fstat(fileno(f), &info) != 0 || S_ISDIR(info.st_mode)) {
-        st = io_fail(err, path, "read", S_ISDIR(info.st_mode) ? EISDIR : errno);
-        goto done;
-    }
-    size_t cap = 0, n = 0;
+    FILE *f = open_regular(path, &expected, &st, err);
+    if (!f) return st;
+    if (st) goto done;
     for (;;) {
-        size_t want = info.st_size > 0 && n == 0 ? (size_t)info.st_size + 2 : n + n / 2 + 65536;
+        size_t want = expected > 0 && n == 0 ? expected + 2 : n + n / 2 + 65536;
         if (!sn_grow(data, &cap, want, 1)) {
             st = sn_fail(err, SN_ENOMEM, "%s: no memory to read it", path);
             goto done;
@@ -107,13 +129,16 @@ sn_status sn_dir_create(const char *path, sn_error *err)
 
 struct sn_out {
     FILE *f;
-    char *path, *temp;
+    char *path;   /* as given, for messages */
+    char *target; /* where links lead       */
+    char *temp;
     int error; /* errno of the first failure, 0 when none */
 };
 
 static void out_free(sn_out *o)
 {
     sn_release(o->path);
+    sn_release(o->target);
     sn_release(o->temp);
     sn_release(o);
 }
@@ -131,22 +156,34 @@ static FILE *open_temp(char *temp)
     return f;
 }
 
+static sn_out *out_new(const char *path)
+{
+    sn_out *o = SN_NEW_ZERO(sn_out, 1);
+    if (!o) return NULL;
+    char *real = realpath(path, NULL); /* a link stays, what it leads to is replaced */
+    o->path = sn_strdup(path);
+    o->target = sn_strdup(real ? real : path);
+    free(real);
+    size_t n = o->target ? strlen(o->target) + 16 : 0;
+    o->temp = sn_alloc(n, 1);
+    if (o->path && o->target && o->temp) {
+        (void)snprintf(o->temp, n, "%s.XXXXXX", o->target);
+        return o;
+    }
+    out_free(o);
+    return NULL;
+}
+
 sn_status sn_out_open(sn_out **out, const char *path, sn_error *err)
 {
     *out = NULL;
     struct stat info;
-    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) return io_fail(err, path, "write", EISDIR);
-    sn_out *o = SN_NEW_ZERO(sn_out, 1);
-    size_t n = strlen(path);
-    if (o) {
-        o->path = sn_strdup(path);
-        o->temp = sn_alloc(n + 16, 1);
+    if (stat(path, &info) == 0) {
+        sn_status st = check_regular(path, "write", &info, err);
+        if (st) return st;
     }
-    if (!o || !o->path || !o->temp) {
-        if (o) out_free(o);
-        return sn_fail(err, SN_ENOMEM, "%s: no memory to write it", path);
-    }
-    (void)snprintf(o->temp, n + 16, "%s.XXXXXX", path);
+    sn_out *o = out_new(path);
+    if (!o) return sn_fail(err, SN_ENOMEM, "%s: no memory to write it", path);
     o->f = open_temp(o->temp);
     if (!o->f) {
         sn_status st = io_fail(err, path, "write", errno);
@@ -214,7 +251,7 @@ sn_status sn_out_commit(sn_out *o, sn_error *err)
 {
     if (fflush(o->f) != 0 && !o->error) o->error = errno;
     if (fclose(o->f) != 0 && !o->error) o->error = errno;
-    if (!o->error && rename(o->temp, o->path) != 0) o->error = errno;
+    if (!o->error && rename(o->temp, o->target) != 0) o->error = errno;
     sn_status st = SN_OK;
     if (o->error) {
         (void)remove(o->temp);

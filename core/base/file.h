@@ -22,6 +22,7 @@ void sn_file_extension(const char *path, char out[16]);
 SN_MUST_USE sn_status sn_dir_create(const char *path, sn_error *err);
 
 typedef struct sn_out sn_out; /* opaque: a buffered stream into the temporary file */
+/* A link is followed: what it leads to is replaced. Errors: SN_EIO (also for folders and devices), SN_ENOMEM. */
 SN_MUST_USE sn_status sn_out_open(sn_out **out, const char *path, sn_error *err);
 void sn_out_bytes(sn_out *o, const void *data, size_t size); /* failures are kept until sn_out_commit */
 void sn_out_text(sn_out *o, const char *s);

@@ -312,6 +312,16 @@ static int32_t count_degenerate(const sn_tri_mesh *m)
     return n;
 }
 
+sn_status sn_mesh_check_topology(sn_mesh_check *out, const sn_tri_mesh *m, sn_error *err)
+{
+    sn_mesh_check c = {.first_pair = {-1, -1}};
+    *out = c;
+    work w = {.m = m, .out = &c};
+    sn_status st = check_topology(&w, err);
+    if (!st) *out = c;
+    return st;
+}
+
 sn_status sn_mesh_check_run(sn_mesh_check *out, const sn_tri_mesh *m, const sn_run *run, sn_error *err)
 {
     sn_mesh_check c = {.first_pair = {-1, -1}};

@@ -7,12 +7,14 @@
 
 #include <string.h>
 
+#define MAX_LABEL 0xffffff        /* tables by label stay small                                           */
 #define MAX_RING 48               /* vertices of a higher valence are left alone                          */
 #define SPLIT_ABOVE (4.0 / 3.0)   /* of the target length: Botsch and Kobbelt's bounds                    */
 #define COLLAPSE_BELOW (4.0 / 5.0)
 #define TINY_EDGE 0.05            /* of the target length: such an edge goes even if others get long      */
 #define SLIVER 0.15               /* height over base of a cap that a split of its base may cure          */
 #define CREASE_COS 0.6            /* an edge bent by more than 53 degrees is kept as a crease             */
+#define CREASE_HEIGHT 0.02        /* of the target length: lower triangles do not tell where creases are      */
 #define KEEP_NORMAL_COS 0.6       /* no step turns a sound triangle by more than this                     */
 #define VOLUME_PASSES 2
 #define DEFAULT_ITERATIONS 6
@@ -44,6 +46,13 @@ static double target_of(const remesher *r, int32_t label)
 {
     const sn_remesh *o = r->opt;
     return o->label_length && label >= 0 && label < o->n_label ? o->label_length[label] : o->edge_length;
+}
+
+static double least_target(const sn_remesh *o)
+{
+    double least = o->edge_length;
+    for (int32_t i = 0; o->label_length && i < o->n_label; i++) least = fmin(least, o->label_length[i]);
+    return least;
 }
 
 static double edge_target(const remesher *r, int32_t h)
@@ -122,9 +131,15 @@ static bool leaves_input(const remesher *r, const patch *p)
 
 /* ---- splits ---- */
 
+/* The first pass of splits comes before the grid: faces that are huge against its cells would fill it. */
 static bool register_tri(remesher *r, int32_t t)
 {
-    return rm_grid_add(&r->grid, &r->mesh, t);
+    return !r->grid.head || rm_grid_add(&r->grid, &r->mesh, t);
+}
+
+static void unregister_tri(remesher *r, int32_t t)
+{
+    if (r->grid.head) rm_grid_remove(&r->grid, &r->mesh, t);
 }
 
 /* A split leaves the surface where it is up to a rounding of p: it needs no guard. */
@@ -133,8 +148,8 @@ static sn_status split_at(remesher *r, int32_t h, sn_vec3 p, sn_error *err)
     rm_mesh *m = &r->mesh;
     int32_t t = h / 3, u = m->twin[h] / 3;
     if (!rm_mesh_room(m)) return sn_fail(err, SN_ENOMEM, "remesh: no memory");
-    rm_grid_remove(&r->grid, m, t);
-    rm_grid_remove(&r->grid, m, u);
+    unregister_tri(r, t);
+    unregister_tri(r, u);
     rm_split(m, h, p);
     int32_t n = (int32_t)m->n_tri;
     if (!register_tri(r, t) || !register_tri(r, u) || !register_tri(r, n - 1) || !register_tri(r, n - 2))
@@ -535,6 +550,16 @@ static sn_status check_options(const sn_remesh *o, sn_error *err)
     return SN_OK;
 }
 
+static sn_status check_input(const sn_tri_mesh *in, sn_error *err)
+{
+    sn_status st = sn_tri_mesh_validate(in, err);
+    if (st) return sn_fail_prefix(err, st, "remesh: ");
+    for (int32_t f = 0; in->label && f < in->n_face; f++)
+        if (in->label[f] < 0 || in->label[f] > MAX_LABEL)
+            return sn_fail(err, SN_EINVAL, "remesh: label of face %d is %d, need 0..%d", f + 1, in->label[f], MAX_LABEL);
+    return SN_OK;
+}
+
 static sn_status count_crossings(const sn_tri_mesh *m, const sn_run *run, int64_t *n, sn_error *err)
 {
     int32_t *pairs = NULL;
@@ -555,6 +580,7 @@ static sn_status run_passes(remesher *r, sn_error *err)
     for (int i = 0; i < n && !st; i++) {
         st = sn_run_step(r->run, "remeshing", (double)i / n, err);
         if (!st) st = split_pass(r, err);
+        if (!st && i == 0) st = rm_grid_build(&r->grid, &r->mesh, r->opt->edge_length, err);
         if (!st) st = collapse_pass(r, err);
         if (!st) st = flip_pass(r, err);
         if (!st) st = smooth_pass(r, err);
@@ -580,10 +606,10 @@ sn_status sn_remesh_run(const sn_tri_mesh *in, const sn_remesh *opt, const sn_ru
     r.deviation = opt->max_deviation > 0.0 ? opt->max_deviation : DEFAULT_DEVIATION;
     sn_tri_mesh_free(out);
     sn_status st = check_options(opt, err);
+    if (!st) st = check_input(in, err);
     if (!st) st = count_crossings(in, run, &r.report.crossings_before, err);
     if (!st) st = sn_bvh_create(&r.input, in, err);
-    if (!st) st = rm_mesh_build(&r.mesh, in, CREASE_COS, err);
-    if (!st) st = rm_grid_build(&r.grid, &r.mesh, opt->edge_length, err);
+    if (!st) st = rm_mesh_build(&r.mesh, in, CREASE_COS, CREASE_HEIGHT * least_target(opt), err);
     if (!st) st = run_passes(&r, err);
     if (!st) st = rm_mesh_export(&r.mesh, in->label != NULL, out, err);
     if (!st) st = count_crossings(out, run, &r.report.crossings_after, err);

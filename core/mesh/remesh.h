@@ -23,9 +23,10 @@ typedef struct sn_remesh_report {
     double largest_move;          /* distance of the farthest new vertex from the input                  */
 } sn_remesh_report;
 
-/* in: closed, every edge with exactly two faces; labels optional (borders between labels stay where they are: their
- * vertices move along them only). out: init-ed; labelled as in. Deterministic. report: NULL to skip.
- * Errors: SN_EINVAL, SN_EMESH (edge that is not between two faces), SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
+/* in: closed, every edge with exactly two faces, the faces around a vertex one ring; labels optional, 0..16777215
+ * (borders between labels stay where they are: their vertices move along them only). out: init-ed; labelled as in.
+ * Deterministic. report: NULL to skip. Errors: SN_EINVAL (options; indices, coordinates or labels of in), SN_EMESH (edge
+ * that is not between two faces, parts that touch in a vertex), SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
 SN_MUST_USE sn_status sn_remesh_run(const sn_tri_mesh *in, const sn_remesh *opt, const sn_run *run, sn_tri_mesh *out,
                                     sn_remesh_report *report, sn_error *err);
 

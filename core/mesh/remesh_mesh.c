@@ -56,6 +56,24 @@ static sn_status pair_half_edges(rm_mesh *m, int32_t *list, sn_error *err)
     return SN_OK;
 }
 
+/* The faces around a vertex are one ring: its half-edges that one spin meets are all that leave it. */
+static sn_status check_rings(const rm_mesh *m, int32_t *n_left, sn_error *err)
+{
+    for (size_t v = 0; v < m->n_vert; v++) n_left[v] = 0;
+    for (size_t h = 0; h < 3 * m->n_tri; h++) n_left[m->vert[h]]++;
+    for (int32_t v = 0; v < (int32_t)m->n_vert; v++) {
+        int32_t start = m->out[v], h = start;
+        if (start < 0) continue;
+        do {
+            n_left[v]--;
+            h = rm_spin(m, h);
+        } while (h != start);
+        if (n_left[v] != 0)
+            return sn_fail(err, SN_EMESH, "remesh: parts of the surface touch in vertex %d alone; need a manifold", v + 1);
+    }
+    return SN_OK;
+}
+
 static sn_vec3 normal_of(const rm_mesh *m, int32_t t)
 {
     const int32_t *v = m->vert + 3 * (size_t)t;
@@ -63,12 +81,28 @@ static sn_vec3 normal_of(const rm_mesh *m, int32_t t)
     return sn_v3_unit(sn_v3_cross(sn_v3_sub(m->pos[v[1]], a), sn_v3_sub(m->pos[v[2]], a)));
 }
 
-sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, sn_error *err)
+/* The least height of a triangle. The normal of a low one is noise: that of a sliver on a round surface may point
+ * anywhere. */
+static double height_of(const rm_mesh *m, int32_t t)
+{
+    const int32_t *v = m->vert + 3 * (size_t)t;
+    sn_vec3 a = m->pos[v[0]], b = m->pos[v[1]], c = m->pos[v[2]];
+    double longest = fmax(sn_v3_dist(a, b), fmax(sn_v3_dist(b, c), sn_v3_dist(c, a)));
+    return longest > 0.0 ? sn_v3_len(sn_v3_cross(sn_v3_sub(b, a), sn_v3_sub(c, a))) / longest : 0.0;
+}
+
+static bool is_sharp(const rm_mesh *m, int32_t t, int32_t u, double crease_cos, double min_height)
+{
+    return sn_v3_dot(normal_of(m, t), normal_of(m, u)) < crease_cos && height_of(m, t) > min_height &&
+           height_of(m, u) > min_height;
+}
+
+sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, double min_height, sn_error *err)
 {
     memset(m, 0, sizeof *m);
-    int32_t *list = SN_NEW(int32_t, 3 * (size_t)in->n_face);
+    int32_t *list = SN_NEW(int32_t, 3 * (size_t)in->n_face), *n_left = SN_NEW(int32_t, in->n_vert);
     sn_status st = SN_OK;
-    if (!list || !reserve(m, (size_t)in->n_vert, (size_t)in->n_face)) {
+    if (!list || !n_left || !reserve(m, (size_t)in->n_vert, (size_t)in->n_face)) {
         st = sn_fail(err, SN_ENOMEM, "remesh: no memory for %d faces", in->n_face);
         goto done;
     }
@@ -78,13 +112,15 @@ sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, sn
     memcpy(m->vert, in->face, 3 * m->n_tri * sizeof *m->vert);
     for (size_t t = 0; t < m->n_tri; t++) m->label[t] = in->label ? in->label[t] : 0;
     st = pair_half_edges(m, list, err);
+    if (!st) st = check_rings(m, n_left, err);
     if (st) goto done;
     for (int32_t h = 0; h < (int32_t)(3 * m->n_tri); h++) {
         int32_t t = h / 3, u = m->twin[h] / 3;
-        m->crease[h] = m->label[t] != m->label[u] || sn_v3_dot(normal_of(m, t), normal_of(m, u)) < crease_cos;
+        m->crease[h] = m->label[t] != m->label[u] || is_sharp(m, t, u, crease_cos, min_height);
     }
 done:
     sn_release(list);
+    sn_release(n_left);
     if (st) rm_mesh_free(m);
     return st;
 }

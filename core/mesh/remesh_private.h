@@ -37,7 +37,9 @@ static inline int32_t rm_spin(const rm_mesh *m, int32_t h)
     return m->twin[rm_prev(h)];
 }
 
-SN_MUST_USE sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, sn_error *err);
+/* Creases: label borders, and edges bent by more than crease_cos between two triangles higher than min_height. */
+SN_MUST_USE sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, double min_height,
+                                    sn_error *err);
 void rm_mesh_free(rm_mesh *m);
 SN_MUST_USE sn_status rm_mesh_export(const rm_mesh *m, bool has_labels, sn_tri_mesh *out, sn_error *err);
 /* Room for one more vertex and two more triangles. */

@@ -148,45 +148,64 @@ static int32_t number_used(int32_t *used, int32_t n)
     return k;
 }
 
-sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map, sn_error *err)
+static bool is_inside(const sn_tet_mesh *m, int32_t t, int32_t part_id)
 {
-    int32_t *adj = NULL, *used = SN_NEW_ZERO(int32_t, m->n_vert), *map = NULL;
+    return t >= 0 && (part_id < 0 || (m->part && m->part[t] == part_id));
+}
+
+static bool is_outer(const sn_tet_mesh *m, const int32_t *adj, size_t h, int32_t part_id)
+{
+    return is_inside(m, (int32_t)(h >> 2), part_id) && !is_inside(m, adj[h], part_id);
+}
+
+static int32_t half_face_vertex(const sn_tet_mesh *m, size_t h, int k)
+{
+    return m->tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]];
+}
+
+sn_status sn_tet_mesh_surface_adj(const sn_tet_mesh *m, const int32_t *adj, int32_t part_id, sn_tri_mesh *out,
+                                  int32_t **v_map, sn_error *err)
+{
+    size_t n_half = 4 * (size_t)m->n_tet, n = 0;
+    int32_t *used = SN_NEW_ZERO(int32_t, m->n_vert), *map = NULL, n_face = 0;
     sn_tri_mesh_free(out);
     if (v_map) *v_map = NULL;
-    sn_status st = used ? sn_tet_mesh_adjacency(m, &adj, err) : sn_fail(err, SN_ENOMEM, "surface: no memory");
-    if (st) goto done;
-#define INSIDE(t) ((t) >= 0 && (part_id < 0 || (m->part && m->part[t] == part_id)))
-#define OUTER(h) (INSIDE((int32_t)((h) >> 2)) && !INSIDE(adj[h]))
-    size_t n_half = 4 * (size_t)m->n_tet;
-    int32_t n_face = 0;
-    for (size_t h = 0; h < n_half; h++)
-        if (OUTER(h)) {
-            n_face++;
-            for (int k = 0; k < 3; k++) used[m->tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]]] = 1;
-        }
+    if (!used) return sn_fail(err, SN_ENOMEM, "surface: no memory");
+    for (size_t h = 0; h < n_half; h++) {
+        if (!is_outer(m, adj, h, part_id)) continue;
+        n_face++;
+        for (int k = 0; k < 3; k++) used[half_face_vertex(m, h, k)] = 1;
+    }
     int32_t n_vert = number_used(used, m->n_vert);
     map = SN_NEW(int32_t, n_vert);
-    st = map ? sn_tri_mesh_reserve(out, n_vert, n_face, err) : sn_fail(err, SN_ENOMEM, "surface: no memory");
+    sn_status st = map ? sn_tri_mesh_reserve(out, n_vert, n_face, err) : sn_fail(err, SN_ENOMEM, "surface: no memory");
     if (st) goto done;
     for (int32_t v = 0; v < m->n_vert; v++)
         if (used[v] >= 0) {
             map[used[v]] = v;
             memcpy(out->pos + 3 * (size_t)used[v], m->pos + 3 * (size_t)v, 3 * sizeof *m->pos);
         }
-    size_t n = 0;
     for (size_t h = 0; h < n_half; h++)
-        if (OUTER(h))
-            for (int k = 0; k < 3; k++)
-                out->face[n++] = used[m->tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]]];
-#undef OUTER
-#undef INSIDE
+        for (int k = 0; k < 3 && is_outer(m, adj, h, part_id); k++) out->face[n++] = used[half_face_vertex(m, h, k)];
     if (v_map) {
         *v_map = map;
         map = NULL;
     }
 done:
-    sn_release(adj);
     sn_release(used);
     sn_release(map);
+    return st;
+}
+
+sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map, sn_error *err)
+{
+    int32_t *adj = NULL;
+    if (v_map) *v_map = NULL;
+    sn_status st = sn_tet_mesh_adjacency(m, &adj, err);
+    if (st)
+        sn_tri_mesh_free(out);
+    else
+        st = sn_tet_mesh_surface_adj(m, adj, part_id, out, v_map, err);
+    sn_release(adj);
     return st;
 }

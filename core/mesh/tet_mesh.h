@@ -51,6 +51,9 @@ extern const int sn_tet_edge[6][2];
  * in index order. v_map (NULL to skip): n_vert of the result, the tet mesh's vertex; by sn_alloc, the caller's. */
 SN_MUST_USE sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map,
                                           sn_error *err);
+/* The same with the adjacency at hand (entries < 0 are the boundary): for many parts of one mesh. */
+SN_MUST_USE sn_status sn_tet_mesh_surface_adj(const sn_tet_mesh *m, const int32_t *adj, int32_t part_id, sn_tri_mesh *out,
+                                              int32_t **v_map, sn_error *err);
 
 SN_END_DECLS
 

@@ -1,0 +1,203 @@
+/* lsn_help.c - sinew.help_text: name -> signature and what it does, for the REPL's help(). A method of a
+ * scene is "scene:solve", a function "sinew.surface.load". */
+#include "lsn.h"
+
+typedef struct help {
+    const char *name, *text;
+} help;
+
+static const help general[] = {
+    {"sinew",
+     "sinew  surfaces, shapes, scenes, pictures and tets: help(\"sinew.scene\"), help(\"scene:solve\"), ..."},
+    {"sinew.version", "sinew.version  the version, a string"},
+    {"sinew.time", "sinew.time() -> seconds  a clock that never goes back, for measuring"},
+    {"sinew.threads",
+     "sinew.threads([n]) -> n  threads that long steps use; 0: one per core. No result depends on it"},
+    {"sinew.vec3", "sinew.vec3(x, y, z) -> vec3  a point or vector: p.x p.y p.z, p[1] p[2] p[3], + - * / ==; "
+                   "{x, y, z} does "
+                   "wherever a point is wanted"},
+    {"vec3:dot", "v:dot(w) -> number  scalar product"},
+    {"vec3:cross", "v:cross(w) -> vec3  vector product"},
+    {"vec3:length", "v:length() -> number"},
+    {"vec3:distance", "p:distance(q) -> number  distance of two points"},
+    {"vec3:unit", "v:unit() -> vec3  v with length 1; zero stays zero"},
+};
+
+static const help surfaces[] = {
+    {"sinew.surface.load", "sinew.surface.load(path) -> surface | nil, message  reads .obj .ply .stl .off"},
+    {"sinew.surface.new", "sinew.surface.new(vertices, faces) -> surface  from a list of points and a list "
+                          "of {a, b, c}, indices from 1"},
+    {"surface:save", "s:save(path [, {ascii=false}]) -> true | nil, message  writes .obj .ply .stl .off"},
+    {"surface:copy", "s:copy() -> surface  one that changes on its own"},
+    {"surface:close", "s:close()  gives its memory back at once; the surface cannot be used afterwards"},
+    {"surface:vertex_count", "s:vertex_count() -> number of vertices"},
+    {"surface:face_count", "s:face_count() -> number of triangles"},
+    {"surface:vertex", "s:vertex(i) -> point"},
+    {"surface:face", "s:face(i) -> {a, b, c}  vertex indices, counter-clockwise seen from outside"},
+    {"surface:bounds", "s:bounds() -> {min=, max=}"},
+    {"surface:area", "s:area() -> number"},
+    {"surface:volume", "s:volume() -> number  signed; meaningful for closed surfaces"},
+    {"surface:check", "s:check() -> {closed=, manifold=, oriented=, components=, boundary_edges=, "
+                      "nonmanifold_edges=, nonmanifold_vertices=, "
+                      "degenerate_faces=, duplicate_vertices=, duplicate_faces=, unused_vertices=, "
+                      "self_intersections=, first_pair=}  what "
+                      "is right and wrong with it"},
+    {"surface:transform",
+     "s:transform{scale=1, rotate={axis=, degrees=}, translate=} -> s  changes s itself: scales, then "
+     "turns about the origin, then moves"},
+    {"surface:mirror", "s:mirror{point={0, 0, 0}, normal=} -> s  reflects s itself in a plane; outside stays "
+                       "outside. s:copy():mirror{...} "
+                       "for a second one"},
+    {"surface:raycast",
+     "s:raycast(origin, direction) -> list of {distance=, point=, face=, entering=}  in order along the ray"},
+    {"surface:closest", "s:closest(p) -> {point=, distance=, face=}  the point of the surface nearest to p"},
+    {"surface:contains", "s:contains(p) -> boolean  is p inside (winding number above 1/2)"},
+};
+
+static const help shapes[] = {
+    {"sinew.shape.sphere", "sinew.shape.sphere(center, radius) -> shape"},
+    {"sinew.shape.ellipsoid", "sinew.shape.ellipsoid(center, {rx, ry, rz}) -> shape"},
+    {"sinew.shape.capsule",
+     "sinew.shape.capsule(a, b, ra [, rb]) -> shape  a cone with round ends, radius ra at a, rb at b"},
+    {"sinew.shape.box",
+     "sinew.shape.box(center, {hx, hy, hz} [, rounding]) -> shape  half sizes, radius of the edges"},
+    {"sinew.shape.union", "sinew.shape.union(a, b, ...) -> shape  all of them; a list will do"},
+    {"sinew.shape.smooth_union",
+     "sinew.shape.smooth_union(k, a, b, ...) -> shape  all of them, blended over a length k"},
+    {"sinew.shape.subtract", "sinew.shape.subtract(a, b) -> shape  a without b"},
+    {"shape:mesh", "shape:mesh{cell=} -> surface  closed, with triangles of edge length cell"},
+    {"shape:value", "shape:value(p) -> number  signed distance or a bound of it, negative inside"},
+    {"shape:bounds", "shape:bounds() -> {min=, max=}  a box that holds it"},
+    {"shape:close", "shape:close()  gives its memory back at once"},
+};
+
+static const help scenes[] = {
+    {"sinew.scene", "sinew.scene{name=\"scene\", unit=\"m\", up=\"y\"} -> scene  up: \"y\" or \"z\""},
+    {"scene:name", "scene:name() -> string"},
+    {"scene:unit", "scene:unit() -> string"},
+    {"scene:up", "scene:up() -> \"y\" or \"z\""},
+    {"scene:bounds", "scene:bounds() -> {min=, max=} or nil  of skin, bones and control points"},
+    {"scene:revision", "scene:revision() -> number  counts edits"},
+    {"scene:close", "scene:close()  gives its memory back at once; the scene cannot be used afterwards"},
+    {"scene:set_skin", "scene:set_skin(surface)  a closed surface, copied"},
+    {"scene:skin", "scene:skin() -> surface or nil  a copy"},
+    {"scene:add_bone", "scene:add_bone(name, surface) -> bone  a closed surface, copied; bones may cross"},
+    {"scene:bone", "scene:bone(name) -> bone"},
+    {"scene:bones", "scene:bones() -> list of bones in the order added"},
+    {"scene:remove_bone", "scene:remove_bone(name)"},
+    {"scene:tetrahedralize", "scene:tetrahedralize{edge_length=, bone_edge_length=, max_volume=, "
+                             "radius_edge=1.414, time_limit=300} -> {vertices=, "
+                             "tets=, seconds=, ...}  fills the soft tissue between skin and bones with tets; "
+                             "edge_length is 1/80 of the skin's "
+                             "diagonal when not given"},
+    {"scene:set_fat", "scene:set_fat(value)  tissue value of fat on the skin, 0.2 at first"},
+    {"scene:fat", "scene:fat() -> value"},
+    {"scene:set_alpha", "scene:set_alpha(value)  weight of the curves against smoothness, 5 at first"},
+    {"scene:alpha", "scene:alpha() -> value"},
+    {"scene:add_muscle",
+     "scene:add_muscle(name, {points={p1, p2, ...}, tissue=1}) -> muscle  a curve through 2 or more points, "
+     "origin first; tissue: a number, or one for each point"},
+    {"scene:muscle", "scene:muscle(name) -> muscle"},
+    {"scene:muscles", "scene:muscles() -> list of muscles in the order added"},
+    {"scene:remove_muscle", "scene:remove_muscle(name)"},
+    {"scene:solve", "scene:solve() -> {seconds=, unknowns=, collocation_points=, residual=, ...}  solves the "
+                    "tissue functions; "
+                    "does nothing when they are up to date"},
+    {"scene:values_at",
+     "scene:values_at(p) -> {fat=, NAME=, ...} or nil  the tissue functions at p; nil outside the tet mesh"},
+    {"scene:tissue_at", "scene:tissue_at(p) -> muscle name | \"fat\" | \"bone:NAME\" | nil outside"},
+    {"scene:report", "scene:report() -> {muscles={NAME={volume=, tets=, components=, length=, "
+                     "length_outside=}}, fat_volume=, "
+                     "tissues_per_tet={...}, body={...}, solve={...}, timings={...}}  extracts first; "
+                     "tissues_per_tet[k]: tets with k "
+                     "tissues, the last: that many or more"},
+    {"scene:render",
+     "scene:render{file=, size={800, 600}, camera=\"front\", show={\"muscles\", \"bones\", \"skin\"}, "
+     "clip={point=, normal=}, "
+     "background=\"white\", skin_opacity=0.3, samples=2} -> image  camera: front back left right top bottom "
+     "iso, {eye=, "
+     "target=, up=, fov=30} or {azimuth=, elevation=, zoom=}; show also curves, points; clip removes the "
+     "side its normal "
+     "points to; background: {r, g, b, a} in 0..1, \"#rrggbb\", \"white\", \"black\" or \"transparent\""},
+    {"scene:extract", "scene:extract{margin=0.001} -> extraction  every muscle and \"fat\" as tets that fit "
+                      "each other exactly"},
+    {"bone:name", "bone:name() -> string"},
+    {"bone:surface", "bone:surface() -> surface  a copy"},
+};
+
+static const help muscles[] = {
+    {"muscle:name", "m:name() -> string"},
+    {"muscle:point_count", "m:point_count() -> number of control points"},
+    {"muscle:point", "m:point(i) -> point  1 is the origin, the last the insertion"},
+    {"muscle:set_point", "m:set_point(i, p)  moves a control point"},
+    {"muscle:insert_point", "m:insert_point(i, p [, tissue])  before point i; point_count + 1 appends"},
+    {"muscle:remove_point", "m:remove_point(i)  two must stay"},
+    {"muscle:tissue", "m:tissue(i) -> value  at control point i"},
+    {"muscle:set_tissue",
+     "m:set_tissue(i, value), m:set_tissue(value)  at one control point or all: more makes it thicker"},
+    {"muscle:curve", "m:curve(n) -> list of n points  evenly spaced along the curve"},
+    {"muscle:length", "m:length() -> number  of the curve"},
+};
+
+static const help results[] = {
+    {"sinew.image.load", "sinew.image.load(path) -> image | nil, message  reads .png"},
+    {"sinew.image.compare",
+     "sinew.image.compare(a, b [, {max=0, count=0}]) -> {equal=, max=, count=, rmse=, diff=image}  equal: "
+     "no more than count pixels differ by more than max (0..255) in a channel"},
+    {"image:save",
+     "img:save(path) -> true | nil, message  writes .png; a rendered one carries its camera as text"},
+    {"image:width", "img:width() -> pixels"},
+    {"image:height", "img:height() -> pixels"},
+    {"image:pixel", "img:pixel(x, y) -> r, g, b, a  0..255; (1, 1) is the top left pixel"},
+    {"image:close", "img:close()  gives its memory back at once"},
+    {"extraction:names", "x:names() -> list of names  in the order of the material ids, \"fat\" first"},
+    {"extraction:part", "x:part(name) -> part"},
+    {"extraction:tet_count", "x:tet_count() -> number"},
+    {"extraction:vertex_count", "x:vertex_count() -> number"},
+    {"extraction:check",
+     "x:check() -> {conforming=, manifold=, positive=, volume_error=, nonmanifold_edges=, "
+     "nonmanifold_vertices=, bad_faces=, "
+     "inverted=, min_volume=, max_volume=, moved=, largest_move=}  what holds of it"},
+    {"extraction:save",
+     "x:save(path) -> true | nil, message  .vtu .mesh .msh: all tissues with ids and names; a path without "
+     "extension: a folder with one .obj for each muscle"},
+    {"extraction:close", "x:close()  gives its memory back at once"},
+    {"part:name", "part:name() -> string"},
+    {"part:volume", "part:volume() -> number"},
+    {"part:tet_count", "part:tet_count() -> number"},
+    {"part:surface", "part:surface() -> surface  its boundary"},
+    {"part:save",
+     "part:save(path) -> true | nil, message  .obj .ply .stl .off: the surface; .vtu .mesh .msh: the tets"},
+    {"sinew.tets.load", "sinew.tets.load(path) -> tets | nil, message  reads .mesh .vtu .node + .ele"},
+    {"tets:vertex_count", "t:vertex_count() -> number"},
+    {"tets:tet_count", "t:tet_count() -> number"},
+    {"tets:vertex", "t:vertex(i) -> point"},
+    {"tets:tet", "t:tet(i) -> {a, b, c, d}  vertex indices"},
+    {"tets:volume", "t:volume() -> number"},
+    {"tets:bounds", "t:bounds() -> {min=, max=}"},
+    {"tets:save", "t:save(path) -> true | nil, message  writes .vtu .mesh .msh"},
+    {"tets:close", "t:close()  gives its memory back at once"},
+    {"sinew.extract", "sinew.extract(tets, {{name=, values={...}}, ...} [, {margin=0.001}]) -> extraction  "
+                      "the regions where each "
+                      "function (one value per vertex) is the largest"},
+};
+
+static void add(lua_State *L, const help *h, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        lua_pushstring(L, h[i].text);
+        lua_setfield(L, -2, h[i].name);
+    }
+}
+
+void lsn_open_help(lua_State *L)
+{
+    lua_newtable(L);
+    add(L, general, sizeof general / sizeof *general);
+    add(L, surfaces, sizeof surfaces / sizeof *surfaces);
+    add(L, shapes, sizeof shapes / sizeof *shapes);
+    add(L, scenes, sizeof scenes / sizeof *scenes);
+    add(L, muscles, sizeof muscles / sizeof *muscles);
+    add(L, results, sizeof results / sizeof *results);
+    lua_setfield(L, -2, "help_text");
+}
