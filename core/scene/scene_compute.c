@@ -1,0 +1,267 @@
+/* The computed half of the scene: each function brings up to date what it needs and no more. */
+#include "scene/scene.h"
+
+#include "base/alloc.h"
+#include "field/segmentation.h"
+#include "mesh/bvh.h"
+#include "scene/scene_private.h"
+
+#include <string.h>
+
+static sn_status no_memory(sn_error *err)
+{
+    return sn_fail(err, SN_ENOMEM, "scene: no memory");
+}
+
+/* ---- body ---- */
+
+static sn_status build_body(sn_scene *s, const sn_body_options *opt, const sn_run *run, sn_error *err)
+{
+    if (s->skin.n_face == 0) return sn_fail(err, SN_EINVAL, "the scene has no skin: set_skin first");
+    sn_named_surface *bone = SN_NEW(sn_named_surface, s->n_bone);
+    if (!bone) return no_memory(err);
+    for (int32_t i = 0; i < s->n_bone; i++) bone[i] = (sn_named_surface){s->bone[i].name, &s->bone[i].mesh};
+    sn_body body;
+    sn_body_report report;
+    sn_body_init(&body);
+    sn_locator *locator = NULL;
+    sn_status st = sn_body_build(&s->skin, bone, s->n_bone, opt, run, &body, &report, &s->notes, err);
+    sn_release(bone);
+    if (st) return st;
+    sn_scene_stale_body(s);
+    sn_body_free(&s->body);
+    s->body = body;
+    s->body_report = report;
+    st = sn_locator_create(&locator, &s->body.mesh, err);
+    if (st) return st;
+    s->locator = locator;
+    s->body_options = *opt;
+    s->has_options = s->has_body = true;
+    return SN_OK;
+}
+
+sn_status sn_scene_tetrahedralize(sn_scene *s, const sn_body_options *opt, const sn_run *run, sn_body_report *report,
+                                  sn_error *err)
+{
+    sn_status st = build_body(s, opt, run, err);
+    if (!st && report) *report = s->body_report;
+    return st;
+}
+
+const sn_body *sn_scene_body(const sn_scene *s)
+{
+    return s->has_body ? &s->body : NULL;
+}
+
+static sn_status need_body(sn_scene *s, const sn_run *run, bool *was_meshed, sn_error *err)
+{
+    *was_meshed = !s->has_body;
+    if (s->has_body) return SN_OK;
+    sn_body_options opt = s->has_options ? s->body_options : (sn_body_options){0};
+    return build_body(s, &opt, run, err);
+}
+
+/* ---- fields ---- */
+
+static sn_status need_rows(sn_scene *s, sn_error *err)
+{
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        scene_muscle *m = s->muscle[i];
+        if (m->has_row) continue;
+        sn_notes *notes = s->has_factor ? NULL : &s->notes; /* only tissue values changed: said before */
+        sn_status st = sn_collocate(&m->muscle, &s->body, s->locator, &m->row, notes, err);
+        if (st) return st;
+        m->has_row = true;
+    }
+    return SN_OK;
+}
+
+static sn_status need_factor(sn_scene *s, const sn_run *run, bool *was_factorized, sn_error *err)
+{
+    sn_status st = SN_OK;
+    *was_factorized = !s->has_factor;
+    if (s->has_factor) return SN_OK;
+    if (!s->solver) st = sn_tissue_solver_create(&s->solver, &s->body, run, err);
+    if (st) return st;
+    sn_release(s->rows);
+    s->rows = SN_NEW(const sn_collocation *, s->n_muscle);
+    if (!s->rows) return no_memory(err);
+    for (int32_t i = 0; i < s->n_muscle; i++) s->rows[i] = &s->muscle[i]->row;
+    st = sn_tissue_solver_set_curves(s->solver, s->rows, s->n_muscle, s->alpha, run, err);
+    s->has_factor = st == SN_OK;
+    return st;
+}
+
+static sn_status need_values(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    int32_t n_tissue = 1 + s->n_muscle, n_wanted = 0;
+    bool *wanted = SN_NEW(bool, n_tissue);
+    if (!s->field) s->field = SN_NEW(double, (size_t)n_tissue * (size_t)s->body.mesh.n_vert);
+    if (!wanted || !s->field) {
+        sn_release(wanted);
+        return no_memory(err);
+    }
+    wanted[0] = !s->is_fat_solved;
+    for (int32_t i = 0; i < s->n_muscle; i++) wanted[1 + i] = !s->muscle[i]->is_solved;
+    for (int32_t i = 0; i < n_tissue; i++) n_wanted += wanted[i];
+    sn_status st = SN_OK;
+    if (n_wanted) st = sn_tissue_solver_solve(s->solver, s->fat, wanted, run, s->field, err);
+    sn_release(wanted);
+    if (st) return st;
+    s->is_fat_solved = s->has_field = true;
+    for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->is_solved = true;
+    return SN_OK;
+}
+
+sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report, sn_error *err)
+{
+    sn_solve_report r = {0};
+    double start = sn_clock();
+    if (s->n_muscle == 0) return sn_fail(err, SN_EINVAL, "the scene has no muscles: add_muscle first");
+    sn_status st = need_body(s, run, &r.was_meshed, err);
+    if (!st) st = need_rows(s, err);
+    if (!st) st = need_factor(s, run, &r.was_factorized, err);
+    if (!st) st = need_values(s, run, err);
+    if (st) return st;
+    r.tissue = *sn_tissue_solver_report(s->solver);
+    r.seconds = sn_clock() - start;
+    if (report) *report = r;
+    return SN_OK;
+}
+
+const double *sn_scene_fields(const sn_scene *s)
+{
+    bool fresh = s->has_field && s->has_factor && s->is_fat_solved;
+    for (int32_t i = 0; fresh && i < s->n_muscle; i++) fresh = s->muscle[i]->is_solved;
+    return fresh ? s->field : NULL;
+}
+
+int32_t sn_scene_tissue_count(const sn_scene *s)
+{
+    return 1 + s->n_muscle;
+}
+
+const char *sn_scene_tissue_name(const sn_scene *s, int32_t i_tissue)
+{
+    return i_tissue == 0 ? "fat" : s->muscle[i_tissue - 1]->muscle.name;
+}
+
+sn_status sn_scene_values_at(sn_scene *s, sn_vec3 p, const sn_run *run, double *value, bool *inside, sn_error *err)
+{
+    double bary[4];
+    *inside = false;
+    sn_status st = sn_scene_fields(s) ? SN_OK : sn_scene_solve(s, run, NULL, err);
+    if (st) return st;
+    int32_t tet = sn_locator_find(s->locator, p, bary);
+    if (tet < 0) return SN_OK;
+    *inside = true;
+    sn_tissue_values(&s->body.mesh, s->field, 1 + s->n_muscle, tet, bary, value);
+    return SN_OK;
+}
+
+/* The first bone that holds p, or -1. */
+static sn_status bone_at(const sn_scene *s, sn_vec3 p, int32_t *i_bone, sn_error *err)
+{
+    *i_bone = -1;
+    for (int32_t i = 0; i < s->n_bone && *i_bone < 0; i++) {
+        const sn_tri_mesh *m = &s->bone[i].mesh;
+        sn_box3 b = sn_tri_mesh_bounds(m);
+        if (p.x < b.min.x || p.x > b.max.x || p.y < b.min.y || p.y > b.max.y || p.z < b.min.z || p.z > b.max.z) continue;
+        sn_bvh *bvh = NULL;
+        sn_status st = sn_bvh_create(&bvh, m, err);
+        if (st) return st;
+        if (fabs(sn_bvh_winding(bvh, p)) > 0.5) *i_bone = i;
+        sn_bvh_destroy(bvh);
+    }
+    return SN_OK;
+}
+
+sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place *place, int32_t *index, sn_error *err)
+{
+    bool inside;
+    double *value = SN_NEW(double, 1 + s->n_muscle);
+    if (!value) return no_memory(err);
+    sn_status st = sn_scene_values_at(s, p, run, value, &inside, err);
+    *index = 0;
+    *place = SN_PLACE_TISSUE;
+    if (!st && inside) {
+        *index = sn_tissue_winner(value, 1 + s->n_muscle);
+    } else if (!st) {
+        st = bone_at(s, p, index, err);
+        *place = *index >= 0 ? SN_PLACE_BONE : SN_PLACE_OUTSIDE;
+    }
+    sn_release(value);
+    return st;
+}
+
+/* ---- extraction ---- */
+
+sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_run *run, sn_extraction *out, sn_error *err)
+{
+    sn_status st = sn_scene_solve(s, run, NULL, err);
+    if (st) return st;
+    int32_t n = 1 + s->n_muscle;
+    const char **name = SN_NEW(const char *, n);
+    if (!name) return no_memory(err);
+    for (int32_t i = 0; i < n; i++) name[i] = sn_scene_tissue_name(s, i);
+    st = sn_extract(&s->body.mesh, s->field, name, n, opt, run, out, err);
+    sn_release(name);
+    return st;
+}
+
+/* ---- picture ---- */
+
+#define CURVE_SAMPLES 96
+
+typedef struct drawing {
+    const sn_tri_mesh **bone;
+    sn_picture_curve *curve;
+    double *sample; /* n_muscle x CURVE_SAMPLES x 3 */
+} drawing;
+
+static void free_drawing(drawing *d)
+{
+    sn_release(d->bone);
+    sn_release(d->curve);
+    sn_release(d->sample);
+}
+
+static sn_status make_drawing(const sn_scene *s, drawing *d, sn_picture_scene *p, sn_error *err)
+{
+    d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
+    d->curve = SN_NEW(sn_picture_curve, s->n_muscle);
+    d->sample = SN_NEW(double, (size_t)s->n_muscle * CURVE_SAMPLES * 3);
+    if (!d->bone || !d->curve || !d->sample) return no_memory(err);
+    for (int32_t i = 0; i < s->n_bone; i++) d->bone[i] = &s->bone[i].mesh;
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        const sn_muscle *m = &s->muscle[i]->muscle;
+        double *at = d->sample + (size_t)i * CURVE_SAMPLES * 3;
+        sn_spline_sample(&m->spline, CURVE_SAMPLES, at);
+        d->curve[i] = (sn_picture_curve){at, CURVE_SAMPLES, m->point, m->n_point, sn_muscle_color(i)};
+    }
+    p->bone = d->bone;
+    p->n_bone = s->n_bone;
+    p->skin = sn_scene_skin(s);
+    p->curve = d->curve;
+    p->n_curve = s->n_muscle;
+    p->unit = sn_box3_diagonal(sn_scene_bounds(s));
+    return SN_OK;
+}
+
+sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, const sn_run *run, sn_image *out,
+                          sn_picture_stats *stats, sn_error *err)
+{
+    drawing d = {0};
+    sn_picture_scene p = {0};
+    bool wants_fields = (opt->show_muscles || opt->has_clip) && s->n_muscle > 0;
+    sn_status st = wants_fields ? sn_scene_solve(s, run, NULL, err) : SN_OK;
+    if (!st) st = make_drawing(s, &d, &p, err);
+    if (!st && wants_fields) {
+        p.tets = &s->body.mesh;
+        p.field = s->field;
+        p.n_tissue = 1 + s->n_muscle;
+    }
+    if (!st) st = sn_picture_draw(&p, opt, run, out, stats, err);
+    free_drawing(&d);
+    return st;
+}

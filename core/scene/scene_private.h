@@ -1,0 +1,59 @@
+/* scene_private.h - what the scene's files share. */
+#ifndef SN_SCENE_PRIVATE_H
+#define SN_SCENE_PRIVATE_H
+
+#include "scene/scene.h"
+
+SN_MUST_USE sn_status sn_check_name(const char *kind, const char *name, sn_error *err);
+SN_MUST_USE sn_status sn_find_name(const char *kind, const char *word, const char *const *name, int32_t n, int32_t *index,
+                                   sn_error *err);
+
+typedef struct scene_bone {
+    char *name;
+    sn_tri_mesh mesh;
+} scene_bone;
+
+typedef struct scene_muscle {
+    sn_muscle muscle;
+    sn_collocation row;   /* of the body as it is, when has_row                 */
+    bool has_row;
+    bool is_solved;       /* its field is that of its tissue values and curve   */
+} scene_muscle;
+
+/* What is computed, and up to where it is valid. Each step needs the ones before it. */
+struct sn_scene {
+    char *name, *unit;
+    sn_up up;
+    uint64_t revision;
+    sn_notes notes;
+
+    sn_tri_mesh skin;     /* n_face = 0: none */
+    scene_bone *bone;
+    int32_t n_bone;
+    size_t cap_bone;
+    scene_muscle **muscle; /* pointers: the addresses of muscles stay */
+    int32_t n_muscle;
+    size_t cap_muscle;
+    double fat, alpha;
+
+    sn_body_options body_options;
+    bool has_options;     /* tetrahedralize was called: later meshing is like it */
+    sn_body body;
+    sn_body_report body_report;
+    bool has_body;
+    sn_locator *locator;  /* with the body */
+
+    sn_tissue_solver *solver;          /* with the body                                         */
+    const sn_collocation **rows;       /* what the solver was given                             */
+    bool has_factor;                   /* for the curves as they are                            */
+    double *field;                     /* (1 + n_muscle) x n_vert                               */
+    bool has_field;                    /* field has rows for these muscles on this body         */
+    bool is_fat_solved;
+};
+
+/* ---- staleness: what an edit marks ---- */
+void sn_scene_stale_body(sn_scene *s);                    /* skin or bones                       */
+void sn_scene_stale_curves(sn_scene *s);                  /* a curve, alpha, the set of muscles  */
+void sn_scene_stale_field(sn_scene *s, int32_t i_muscle); /* tissue values; -1: fat              */
+
+#endif
