@@ -109,6 +109,32 @@ static bool bone_is_inside(const sn_bvh *skin, const sn_tri_mesh *bone, bool *po
     return inside;
 }
 
+static bool edges_hit(const sn_bvh *b, const sn_tri_mesh *m)
+{
+    sn_ray_hit hit;
+    for (int32_t i = 0; i < 3 * m->n_face; i++) {
+        sn_vec3 p = sn_tri_mesh_point(m, m->face[i]), q = sn_tri_mesh_point(m, m->face[i % 3 == 2 ? i - 2 : i + 1]);
+        if (sn_bvh_ray_first(b, p, sn_v3_sub(q, p), 1.0, &hit)) return true;
+    }
+    return false;
+}
+
+/* A bone with neither a corner nor a face centre in the skin: a long one may still run through it, a large one hold it. */
+static sn_status check_overlap(const sn_bvh *skin, const sn_tri_mesh *bone, const char *name, sn_error *err)
+{
+    sn_bvh *b = NULL;
+    sn_status st = sn_bvh_create(&b, bone, err);
+    if (st) return st;
+    if (!edges_hit(skin, bone) && !edges_hit(b, sn_bvh_mesh(skin))) {
+        if (sn_bvh_contains(b, sn_tri_mesh_point(sn_bvh_mesh(skin), 0)))
+            st = sn_fail(err, SN_EMESH, "bone '%s' encloses the whole skin and leaves no soft tissue", name);
+        else
+            st = sn_fail(err, SN_EMESH, "bone '%s' lies outside the skin: no part of it is inside", name);
+    }
+    sn_bvh_destroy(b);
+    return st;
+}
+
 static sn_status prepare_bones(const sn_bvh *skin, const sn_named_surface *bone, int32_t n_bone, const sn_run *run,
                                sn_tri_mesh *clean, bool *exact, sn_notes *notes, sn_error *err)
 {
@@ -119,8 +145,8 @@ static sn_status prepare_bones(const sn_bvh *skin, const sn_named_surface *bone,
         sn_status st = sn_body_prepare(bone[i].mesh, "bone", name, run, &clean[i], crossing, err);
         if (st) return st;
         bool pokes;
-        if (!bone_is_inside(skin, &clean[i], &pokes))
-            return sn_fail(err, SN_EMESH, "bone '%s' lies outside the skin: no part of it is inside", bone[i].name);
+        if (!bone_is_inside(skin, &clean[i], &pokes)) st = check_overlap(skin, &clean[i], bone[i].name, err);
+        if (st) return st;
         if (pokes) sn_notes_add(notes, "bone '%s' pokes through the skin: what is outside is cut off", bone[i].name);
         if (crossing[0] >= 0) {
             sn_notes_add(notes, "bone '%s' crosses itself (faces %d and %d): the surfaces are resampled", bone[i].name,

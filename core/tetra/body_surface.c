@@ -128,24 +128,30 @@ static sn_status sampled_difference(const corefine_job *job, const sn_body_optio
 
 /* ---- remeshing ---- */
 
-/* Volume under the faces of bones, taken positive; up to the openings where bones poke through the skin. */
-static double bone_volume(const sn_tri_mesh *m)
+/* The mean of the corners of bone faces: a place near all openings. */
+static sn_vec3 bone_centre(const sn_tri_mesh *m)
 {
     sn_vec3 o = {0, 0, 0};
-    double sum = 0.0;
     int64_t n = 0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int32_t f = 0; f < m->n_face; f++) {
-            if (m->label[f] == SN_LABEL_SKIN) continue;
-            const int32_t *v = m->face + 3 * (size_t)f;
-            sn_vec3 p[3] = {sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1]), sn_tri_mesh_point(m, v[2])};
-            if (pass == 0) {
-                n++;
-                o = sn_v3_mad(o, 1.0 / (double)n, sn_v3_sub(p[0], o));
-            } else {
-                sum -= sn_v3_det(sn_v3_sub(p[0], o), sn_v3_sub(p[1], o), sn_v3_sub(p[2], o)) / 6.0;
-            }
+    for (int32_t f = 0; f < m->n_face; f++)
+        if (m->label[f] != SN_LABEL_SKIN) {
+            n++;
+            o = sn_v3_mad(o, 1.0 / (double)n, sn_v3_sub(sn_tri_mesh_point(m, m->face[3 * (size_t)f]), o));
         }
+    return o;
+}
+
+/* Volume of the cone from o to the faces of bones, taken positive: the bones' own, up to the openings where they poke
+ * through the skin. What an opening adds depends on o: only figures for the same o may be compared. */
+static double bone_volume(const sn_tri_mesh *m, sn_vec3 o)
+{
+    double sum = 0.0;
+    for (int32_t f = 0; f < m->n_face; f++) {
+        const int32_t *v = m->face + 3 * (size_t)f;
+        if (m->label[f] != SN_LABEL_SKIN)
+            sum -= sn_v3_det(sn_v3_sub(sn_tri_mesh_point(m, v[0]), o), sn_v3_sub(sn_tri_mesh_point(m, v[1]), o),
+                             sn_v3_sub(sn_tri_mesh_point(m, v[2]), o)) / 6.0;
+    }
     return sum;
 }
 
@@ -159,11 +165,12 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
     sn_remesh r = {.edge_length = opt->edge_length, .label_length = length, .n_label = n_bone + 1, .max_deviation = 0.08};
     sn_remesh_report rr = {0};
     sn_status st = SN_OK;
-    report->bone_volume_exact = bone_volume(in);
+    sn_vec3 centre = bone_centre(in);
+    report->bone_volume_exact = bone_volume(in, centre);
     for (int i = 0; i < REMESH_TRIES; i++) {
         st = sn_remesh_run(in, &r, run, out, &rr, err);
         if (st) break;
-        report->bone_volume = bone_volume(out);
+        report->bone_volume = bone_volume(out, centre);
         double change = fabs(report->bone_volume - report->bone_volume_exact);
         if (rr.crossings_after == 0 && change <= MAX_BONE_VOLUME_CHANGE * report->bone_volume_exact) break;
         r.max_deviation *= 0.5;

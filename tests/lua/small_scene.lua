@@ -6,7 +6,7 @@ local bones = {
     upper = shape.capsule({0, 0.1, 0}, {0, 1.2, 0}, 0.2):mesh{cell = 0.2},
     lower = shape.capsule({0, -1.2, 0}, {0, -0.2, 0}, 0.2):mesh{cell = 0.2},
 }
-local edge_length = 0.3
+local edge_length = 0.4
 
 -- parts: "skin", "bones", "muscles": how far to build; all by default.
 return function(parts)

@@ -220,7 +220,7 @@ test("mirror", function()
     checkerr("option 'normal' is missing", s.mirror, s, {})
     checkerr("option 'normal' is missing", s.mirror, s)
     checkerr("normal that is not zero", s.mirror, s, {normal = {0, 0, 0}})
-    checkerr("unknown option 'plane' (known: point, normal)", s.mirror, s, {plane = 1})
+    checkerr("unknown option 'zzzzzz' (known: point, normal)", s.mirror, s, {zzzzzz = 1})
 end)
 
 test("files", function()

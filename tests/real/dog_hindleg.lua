@@ -1,0 +1,101 @@
+-- dog_hindleg.lua - the left hind leg of a dog: real skin, real bones, muscles between measured attachment sites.
+--
+--     sinew tests/real/dog_hindleg.lua            writes out/dog_hindleg.png, .vtu and .mesh
+--
+-- The data is that of google-deepmind/dm_control (suite/dog_assets). It is looked for in $SINEW_DATA, else in
+-- ../shared/data. Metres, z up, head towards +x. Options: -D out=FOLDER, -D skin_edge=METRES, -D bone_edge=METRES.
+
+out = out or "out"
+skin_edge = skin_edge or 0.011
+bone_edge = bone_edge or 0.004
+
+local data = (os.getenv("SINEW_DATA") or "../shared/data") .. "/dog_hindleg"
+
+-- Attachment sites by muscle and bone: bone,muscle,x,y,z,radius,faces
+local function read_sites(path)
+  local sites = {}
+  for line in assert(io.lines(path)) do
+    local bone, muscle, x, y, z = line:match("^([^,]+),([^,]+),([^,]+),([^,]+),([^,]+)")
+    if tonumber(x) then
+      sites[muscle] = sites[muscle] or {}
+      sites[muscle][bone] = {tonumber(x), tonumber(y), tonumber(z)}
+    end
+  end
+  return sites
+end
+
+-- Name, origin, insertion, tissue value, and points between: the middle of the modeller's muscle a third and two
+-- thirds of the way. Large muscles get a larger tissue value, flat and small ones a smaller one.
+local muscles = {
+  {"m_gluteus_medius_L", "Pelvis", "Femoris_L", 1.2, {{-0.2710, 0.0467, 0.4952}, {-0.2960, 0.0577, 0.4849}}},
+  {"m_gluteus_superficialis_major_L", "Sacrum", "Femoris_L", 0.8, {{-0.3020, 0.0247, 0.5122}, {-0.3159, 0.0468, 0.4970}}},
+  {"m_sartorius_L", "Pelvis", "Tibia_L", 0.9, {{-0.2857, 0.0470, 0.4091}, {-0.3176, 0.0604, 0.3289}}},
+  {"m_sartorius_L(2)", "Pelvis", "Patella_L", 0.9, {{-0.2635, 0.0515, 0.4209}, {-0.2920, 0.0612, 0.3575}}},
+  {"m_rectus_femoris_L", "Pelvis", "Patella_L", 1.2, {{-0.3003, 0.0708, 0.4165}, {-0.3063, 0.0774, 0.3604}}},
+  {"m_vastus_lat_L", "Femoris_L", "Patella_L", 1.1, {{-0.3146, 0.0831, 0.4043}, {-0.3152, 0.0834, 0.3514}}},
+  {"m_vastus_med_L", "Femoris_L", "Patella_L", 1.1, {{-0.3129, 0.0635, 0.3944}, {-0.3148, 0.0689, 0.3480}}},
+  {"m_biceps_femoris_L", "Pelvis", "Tibia_L", 1.6, {{-0.3535, 0.0773, 0.4101}, {-0.3663, 0.0884, 0.3484}}},
+  {"m_semitendinosus_L", "Pelvis", "Tibia_L", 1.2, {{-0.3806, 0.0493, 0.3848}, {-0.3757, 0.0585, 0.3233}}},
+  {"m_gracilis_L", "Pelvis", "Tibia_L", 1.0, {{-0.3511, 0.0337, 0.3790}, {-0.3646, 0.0474, 0.3189}}},
+  {"m_adductor_magnus_L", "Pelvis", "Femoris_L", 1.2, {{-0.3478, 0.0345, 0.4193}, {-0.3407, 0.0589, 0.3971}}},
+  {"m_pectineus_L", "Pelvis", "Femoris_L", 0.8, {{-0.3215, 0.0429, 0.4230}, {-0.3247, 0.0574, 0.3968}}},
+  {"m_quadratus_femoris_L", "Pelvis", "Femoris_L", 0.7, {{-0.3598, 0.0457, 0.4547}, {-0.3499, 0.0559, 0.4526}}},
+  {"m_gastrocnemius_L", "Femoris_L2", "Calcaneal_tuber_L", 1.2, {{-0.4155, 0.0772, 0.2906}, {-0.4769, 0.0766, 0.2422}}},
+  {"m_popliteus_L", "Femoris_L", "Tibia_L", 0.8, {{-0.3825, 0.0850, 0.2951}, {-0.3885, 0.0724, 0.2821}}},
+  {"m_tibialis_cranialis_L", "Fibula_L", "Tarsus_central_L", 1.0, {{-0.4289, 0.0887, 0.2338}, {-0.4843, 0.0714, 0.1873}}},
+  {"m_peroneus_longus_L", "Fibula_L", "Tarsus_L_I", 0.9, {{-0.4452, 0.0884, 0.2355}, {-0.5122, 0.0872, 0.1850}}},
+}
+
+local bones = {"Pelvis", "Femoris_L", "Patella_L", "Tibia_L", "Fibula_L", "Calcaneal_tuber_L", "Tibial_tarsal_L"}
+
+local function step(name, t0)
+  io.stderr:write(string.format("%-12s %6.2f s\n", name, sinew.time() - t0))
+end
+
+local scene = sinew.scene{name = "dog hindleg", unit = "m", up = "z"}
+scene:set_skin(assert(sinew.surface.load(data .. "/skin.stl")))
+for _, name in ipairs(bones) do
+  scene:add_bone(name, assert(sinew.surface.load(data .. "/bones/" .. name .. ".stl")))
+end
+
+local t0 = sinew.time()
+local mesh = scene:tetrahedralize{edge_length = skin_edge, bone_edge_length = bone_edge}
+step("mesh", t0)
+
+local sites = read_sites(data .. "/attachment_sites.csv")
+for _, m in ipairs(muscles) do
+  local name, origin, insertion, tissue, between = table.unpack(m)
+  scene:add_muscle(name, {points = {sites[name][origin], between[1], between[2], sites[name][insertion]}, tissue = tissue})
+end
+scene:set_fat(0.15)
+
+t0 = sinew.time()
+local solved = scene:solve()
+step("solve", t0)
+
+t0 = sinew.time()
+local x = scene:extract{}
+step("extract", t0)
+
+t0 = sinew.time()
+local check = x:check()
+step("check", t0)
+
+t0 = sinew.time()
+scene:render{file = out .. "/dog_hindleg.png", size = {1200, 1000},
+             camera = {eye = {-0.25, 1.3, 0.45}, target = {-0.37, 0.05, 0.33}, up = {0, 0, 1}, fov = 24},
+             show = {"muscles", "bones", "skin"}, skin_opacity = 0.12}
+step("picture", t0)
+
+t0 = sinew.time()
+assert(x:save(out .. "/dog_hindleg.vtu"))
+assert(x:save(out .. "/dog_hindleg.mesh"))
+step("files", t0)
+
+print(string.format("tets %d, unknowns %d, collocation points %d", mesh.tets, solved.unknowns, solved.collocation_points))
+print(string.format("extraction: %d tets; conforming %s, manifold %s, positive %s, volume error %.2g", x:tet_count(),
+                    check.conforming, check.manifold, check.positive, check.volume_error))
+for _, name in ipairs(x:names()) do
+  local part = x:part(name)
+  print(string.format("  %-34s %9.2f cm3 %8d tets", name, part:volume() * 1e6, part:tet_count()))
+end
