@@ -128,6 +128,23 @@ static bool print_text(lua_State *L, int texts, const char *name)
     return has;
 }
 
+/* The names of all that begins with name and ':' or '.': the methods of a type. */
+static bool print_members(lua_State *L, int texts, const char *name)
+{
+    bool has = false;
+    size_t n_name = strlen(name);
+    lua_Integer n = cli_push_sorted_keys(L, texts);
+    for (lua_Integer i = 1; i <= n; i++) {
+        lua_rawgeti(L, -1, i);
+        const char *key = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+        if (strncmp(key, name, n_name) == 0 && (key[n_name] == ':' || key[n_name] == '.'))
+            has = print_text(L, texts, key) || has;
+        lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+    return has;
+}
+
 /* The text of the name itself, or else those of all names with the same last part. */
 static bool print_texts(lua_State *L, const char *name)
 {
@@ -143,7 +160,7 @@ static bool print_texts(lua_State *L, const char *name)
         if (strcmp(last_part(key), last_part(name)) == 0) has = print_text(L, texts, key) || has;
         lua_pop(L, 1);
     }
-    return has;
+    return print_members(L, texts, name) || has;
 }
 
 static int help(lua_State *L)
@@ -151,10 +168,12 @@ static int help(lua_State *L)
     if (lua_isnoneornil(L, 1)) return print_general(L);
     lua_settop(L, 1);
     const char *name = NULL;
-    if (lua_type(L, 1) == LUA_TSTRING ||
-        (lua_isfunction(L, 1) && (push_module_name(L) || push_method_name(L))))
+    if (lua_type(L, 1) == LUA_TUSERDATA && luaL_getmetafield(L, 1, "__name") == LUA_TSTRING)
+        name = last_part(lua_tostring(L, -1));
+    else if (lua_type(L, 1) == LUA_TSTRING ||
+             (lua_isfunction(L, 1) && (push_module_name(L) || push_method_name(L))))
         name = lua_tostring(L, -1);
-    if (!name) return luaL_argerror(L, 1, "a name or a function of sinew expected");
+    if (!name) return luaL_argerror(L, 1, "a name, or a function or an object of sinew expected");
     if (!print_texts(L, name)) return luaL_error(L, "no help for '%s' (help() lists what there is)", name);
     return 0;
 }

@@ -9,8 +9,14 @@
 #include <string.h>
 
 #define MAX_LEVEL 2   /* of tables; deeper ones are {...} */
-#define MAX_ITEMS 60  /* of a table                       */
+#define MAX_TEXT 100  /* bytes of a string in a table     */
 #define LINE_WIDTH 76 /* a table that fits stays on one line */
+
+/* How many items of a table on this level are shown. */
+static lua_Integer max_items(int level)
+{
+    return level == 0 ? 60 : 12;
+}
 
 static void push_value_text(lua_State *L, int idx, int level);
 
@@ -24,6 +30,11 @@ static void push_quoted(lua_State *L, int idx)
     for (size_t i = 0; i < n; i++) {
         char code[8];
         unsigned char c = (unsigned char)s[i];
+        if (i >= MAX_TEXT && c < 0x80) { /* not within a UTF-8 sequence */
+            luaL_addstring(&b, "\"...");
+            luaL_pushresult(&b);
+            return;
+        }
         if (c == '"' || c == '\\')
             (void)snprintf(code, sizeof code, "\\%c", c);
         else if (c == '\n')
@@ -83,7 +94,7 @@ static bool make_items(lua_State *L, int table, int keys, lua_Integer n, int ite
 {
     size_t width = 2;
     bool is_flat = true;
-    for (lua_Integer i = 1; i <= n && i <= MAX_ITEMS; i++) {
+    for (lua_Integer i = 1; i <= n && i <= max_items(level); i++) {
         push_item_text(L, table, keys, i, level);
         size_t len;
         const char *text = lua_tolstring(L, -1, &len);
@@ -91,11 +102,11 @@ static bool make_items(lua_State *L, int table, int keys, lua_Integer n, int ite
         width += len + 2;
         lua_rawseti(L, items, i);
     }
-    if (n > MAX_ITEMS) {
-        lua_pushfstring(L, "... (%I more)", (LUAI_UACINT)(n - MAX_ITEMS));
-        lua_rawseti(L, items, MAX_ITEMS + 1);
+    if (n > max_items(level)) {
+        lua_pushfstring(L, "... (%I more)", (LUAI_UACINT)(n - max_items(level)));
+        lua_rawseti(L, items, max_items(level) + 1);
     }
-    return is_flat && width + 2 * (size_t)level <= LINE_WIDTH && n <= MAX_ITEMS;
+    return is_flat && width + 2 * (size_t)level <= LINE_WIDTH && n <= max_items(level);
 }
 
 static void push_table_text(lua_State *L, int table, int level)
@@ -111,7 +122,7 @@ static void push_table_text(lua_State *L, int table, int level)
     bool is_flat = make_items(L, table, keys, n, items, level);
     char gap[2 * MAX_LEVEL + 8];
     (void)snprintf(gap, sizeof gap, "\n%*s", 2 * level, "");
-    lua_Integer n_item = n > MAX_ITEMS ? MAX_ITEMS + 1 : n;
+    lua_Integer n_item = n > max_items(level) ? max_items(level) + 1 : n;
     luaL_Buffer b;
     luaL_buffinit(L, &b);
     luaL_addstring(&b, "{");

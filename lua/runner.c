@@ -20,8 +20,8 @@
 const char *cli_session_origin(const cli_session *s)
 {
     const cli_options *o = s->opt;
-    if (!o->i_script) return "sinew";
-    return strcmp(o->argv[o->i_script], "-") == 0 ? "stdin" : o->argv[o->i_script];
+    if (s->is_stdin) return "stdin";
+    return o->i_script ? o->argv[o->i_script] : "sinew";
 }
 
 /* ---- warnings ---- */
@@ -182,10 +182,9 @@ static int push_script_arguments(lua_State *L, const cli_options *o)
     return n;
 }
 
-static bool run_script(cli_session *s, bool is_stdin)
+static bool run_script(cli_session *s)
 {
-    const char *path = is_stdin ? NULL : s->opt->argv[s->opt->i_script];
-    int status = luaL_loadfile(s->L, path);
+    int status = luaL_loadfile(s->L, s->is_stdin ? NULL : s->opt->argv[s->opt->i_script]);
     if (status != LUA_OK) {
         cli_failure_of_load(&s->failure, s->L, status,
                             status == LUA_ERRFILE ? "sinew" : cli_session_origin(s));
@@ -205,33 +204,37 @@ static bool run_outputs(cli_session *s)
     return ok;
 }
 
-static void run_repl(cli_session *s)
+static void print_failure(const cli_session *s, bool has_traceback)
 {
     cli_interrupt_settle();
-    if (s->failure.exit_code) cli_failure_print(&s->failure, true);
-    cli_repl(s);
+    if (!s->failure.exit_code || (ferror(stdout) && cli_interrupt_pipe_closed())) return;
+    cli_failure_print(&s->failure, has_traceback);
+}
+
+/* The -e code and the script. */
+static bool run_program(cli_session *s)
+{
+    s->script_start = sn_clock();
+    bool ok = run_code(s) && (!(s->opt->i_script || s->is_stdin) || run_script(s));
+    s->script_seconds = sn_clock() - s->script_start;
+    s->script_start = 0.0;
+    return ok;
 }
 
 static int run_all(cli_session *s)
 {
     const cli_options *o = s->opt;
-    bool has_script = o->i_script > 0, is_tty = isatty(STDIN_FILENO);
-    bool from_stdin =
-        has_script ? strcmp(o->argv[o->i_script], "-") == 0 : !o->code.n && !o->has_repl && !is_tty;
-    bool has_repl = o->has_repl || (!has_script && !o->code.n && is_tty),
-         has_run = has_script || from_stdin || o->code.n;
+    bool is_tty = isatty(STDIN_FILENO), is_bare = !o->i_script && !o->code.n && !o->has_repl;
+    bool has_repl = o->has_repl || (is_bare && is_tty);
+    s->is_stdin = o->i_script ? strcmp(o->argv[o->i_script], "-") == 0 : is_bare && !is_tty;
+    bool has_program = o->i_script || o->code.n || s->is_stdin;
     cli_deadline_set(o->time_limit);
-    s->script_start = sn_clock();
-    bool ok = run_code(s) && (!(has_script || from_stdin) || run_script(s, from_stdin));
-    s->script_seconds = has_run ? sn_clock() - s->script_start : 0.0;
-    s->script_start = 0.0;
-    if (ok && has_run) ok = run_outputs(s);
-    if (has_repl) run_repl(s);
-    if (has_repl && !has_run) ok = run_outputs(s);
-    if (!ok && !(has_repl && has_run)) {
-        cli_interrupt_settle();
-        cli_failure_print(&s->failure, o->is_verbose);
-    }
+    if (has_program && run_program(s)) (void)run_outputs(s);
+    if (has_program || !has_repl) print_failure(s, o->is_verbose || has_repl);
+    if (!has_repl) return s->failure.exit_code;
+    cli_repl(s);
+    if (!has_program && !run_outputs(s))
+        print_failure(s, o->is_verbose); /* what was typed has made the scene */
     return s->failure.exit_code;
 }
 

@@ -12,6 +12,7 @@
 typedef struct cli_session {
     lua_State *L;
     const cli_options *opt;
+    bool is_stdin;       /* the script comes from standard input            */
     sn_notes warnings;   /* every warning line, printed or not              */
     char warning[512];   /* the pieces of a line that Lua's warn gave so far */
     int n_written;       /* the first so many of opt->output are written    */

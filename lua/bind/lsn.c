@@ -130,20 +130,23 @@ void lsn_push_box(lua_State *L, sn_box3 b)
 
 /* ---- objects ---- */
 
-/* __index of a method table: reached for names that it does not have. Upvalues: the type's name, its methods.
- */
-static int unknown_method(lua_State *L)
+int lsn_unknown_method(lua_State *L, const char *type, const luaL_Reg *method)
 {
-    const char *type = lua_tostring(L, lua_upvalueindex(1));
-    const luaL_Reg *method = lua_touserdata(L, lua_upvalueindex(2));
-    if (lua_type(L, 2) != LUA_TSTRING) return 0;
     size_t n = 0;
+    if (lua_type(L, 2) != LUA_TSTRING) return 0;
     while (method[n].name) n++;
     const char **name = lua_newuserdatauv(L, (n + 1) * sizeof *name, 0);
     for (size_t i = 0; i < n; i++) name[i] = method[i].name;
     const char *word = lua_tostring(L, 2), *near = sn_nearest_name(word, name, n);
     if (near) return luaL_error(L, "%s has no '%s' (did you mean '%s'?)", type, word, near);
     return luaL_error(L, "%s has no '%s'", type, word);
+}
+
+/* __index of a method table, for names that it does not have. Upvalues: the type's name, its methods. */
+static int no_method(lua_State *L)
+{
+    return lsn_unknown_method(L, lua_tostring(L, lua_upvalueindex(1)),
+                              lua_touserdata(L, lua_upvalueindex(2)));
 }
 
 void lsn_new_type(lua_State *L, const char *type, const luaL_Reg *meta, const luaL_Reg *methods)
@@ -155,7 +158,7 @@ void lsn_new_type(lua_State *L, const char *type, const luaL_Reg *meta, const lu
     lua_createtable(L, 0, 1);
     lua_pushstring(L, type + strlen("sinew."));
     lua_pushlightuserdata(L, (void *)(uintptr_t)methods); /* only read */
-    lua_pushcclosure(L, unknown_method, 2);
+    lua_pushcclosure(L, no_method, 2);
     lua_setfield(L, -2, "__index");
     lua_setmetatable(L, -2);
     lua_setfield(L, -2, "__index");

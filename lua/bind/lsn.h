@@ -114,6 +114,8 @@ void lsn_push_box(lua_State *L, sn_box3 b); /* {min=, max=} */
 /* Makes the metatable of a type: __index finds the methods, an unknown one raises with the nearest name. Both
  * lists are static and end with {NULL, NULL}. */
 void lsn_new_type(lua_State *L, const char *type, const luaL_Reg *meta, const luaL_Reg *methods);
+/* Raises for the name at index 2 that none of the methods has; returns 0 when it is no string. */
+int lsn_unknown_method(lua_State *L, const char *type, const luaL_Reg *method);
 /* Pushes a userdata of that type, all bytes 0, with n_uv user values. */
 void *lsn_new_object(lua_State *L, const char *type, size_t size, int n_uv);
 /* Pushes a box that releases what its pointer holds (by sn_release) when it is collected, or at once by

@@ -7,9 +7,11 @@ static int32_t find(lua_State *L, sn_scene **s)
 {
     const char *name;
     int32_t i = 0;
+    sn_error err;
     *s = lsn_check_member(L, 1, LSN_MUSCLE, &name);
-    if (sn_scene_find_muscle(*s, name, &i, NULL))
-        (void)lsn_fail(L, SN_EINVAL, "muscle '%s' was removed", name);
+    sn_status st = sn_scene_find_muscle(*s, name, &i, &err);
+    if (st == SN_EINVAL) (void)lsn_fail(L, SN_EINVAL, "muscle '%s' was removed", name);
+    if (st) (void)lsn_raise(L, &err);
     return i;
 }
 

@@ -30,27 +30,6 @@ static int vec3_new(lua_State *L)
     return push(L, sn_v3(x, y, z));
 }
 
-static int vec3_index(lua_State *L) /* upvalue: the methods */
-{
-    sn_vec3 p = check_vec3(L, 1);
-    int is_whole = 0;
-    lua_Integer i = 0;
-    if (lua_type(L, 2) == LUA_TNUMBER) {
-        i = lua_tointegerx(L, 2, &is_whole);
-        if (!is_whole || i < 1 || i > 3) return 0; /* nil: ends ipairs */
-    } else if (lua_type(L, 2) == LUA_TSTRING) {
-        const char *key = lua_tostring(L, 2);
-        if (key[0] >= 'x' && key[0] <= 'z' && !key[1]) i = 1 + key[0] - 'x';
-    }
-    if (i == 0) {
-        lua_settop(L, 2);
-        (void)lua_gettable(L, lua_upvalueindex(1));
-        return 1;
-    }
-    lua_pushnumber(L, i == 1 ? p.x : i == 2 ? p.y : p.z);
-    return 1;
-}
-
 static int vec3_newindex(lua_State *L)
 {
     return luaL_error(L, "a vec3 does not change: make a new one, {x, y, z} or sinew.vec3(x, y, z)");
@@ -139,6 +118,31 @@ static int vec3_unit(lua_State *L)
     return push(L, sn_v3_unit(check_vec3(L, 1)));
 }
 
+static const luaL_Reg methods[] = {{"dot", vec3_dot},       {"cross", vec3_cross},
+                                   {"length", vec3_length}, {"distance", vec3_distance},
+                                   {"unit", vec3_unit},     {NULL, NULL}};
+
+static int vec3_index(lua_State *L) /* upvalue: the table of methods */
+{
+    sn_vec3 p = check_vec3(L, 1);
+    int is_whole = 0;
+    lua_Integer i = 0;
+    if (lua_type(L, 2) == LUA_TNUMBER) {
+        i = lua_tointegerx(L, 2, &is_whole);
+        if (!is_whole || i < 1 || i > 3) return 0; /* nil: ends ipairs */
+    } else if (lua_type(L, 2) == LUA_TSTRING) {
+        const char *key = lua_tostring(L, 2);
+        if (key[0] >= 'x' && key[0] <= 'z' && !key[1]) i = 1 + key[0] - 'x';
+    }
+    if (i == 0) {
+        lua_settop(L, 2);
+        lua_pushvalue(L, 2);
+        return lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL ? 1 : lsn_unknown_method(L, "vec3", methods);
+    }
+    lua_pushnumber(L, i == 1 ? p.x : i == 2 ? p.y : p.z);
+    return 1;
+}
+
 void lsn_open_vec3(lua_State *L)
 {
     static const luaL_Reg meta[] = {{"__newindex", vec3_newindex},
@@ -151,9 +155,6 @@ void lsn_open_vec3(lua_State *L)
                                     {"__div", vec3_div},
                                     {"__unm", vec3_unm},
                                     {NULL, NULL}};
-    static const luaL_Reg methods[] = {{"dot", vec3_dot},       {"cross", vec3_cross},
-                                       {"length", vec3_length}, {"distance", vec3_distance},
-                                       {"unit", vec3_unit},     {NULL, NULL}};
     lsn_new_type(L, LSN_VEC3, meta, methods);
     luaL_getmetatable(L, LSN_VEC3);
     (void)lua_getfield(L, -1, "__index");

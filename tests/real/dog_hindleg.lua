@@ -48,14 +48,49 @@ local muscles = {
 
 local bones = {"Pelvis", "Femoris_L", "Patella_L", "Tibia_L", "Fibula_L", "Calcaneal_tuber_L", "Tibial_tarsal_L"}
 
+-- The point at `margin` beyond the surface's point nearest to p, on the side asked for; p itself where it is there already.
+local function keep_off(p, surface, want_inside, margin)
+  local c, inside = surface:closest(p), surface:contains(p)
+  if inside == want_inside and c.distance >= margin or c.distance == 0 then return p end
+  local sign, q = inside == want_inside and 1 or -1, {}
+  for k = 1, 3 do q[k] = c.point[k] + sign * margin * (p[k] - c.point[k]) / c.distance end
+  return q
+end
+
+-- Inside the skin and outside of the bones, as far as there is room.
+local function in_soft_tissue(p, skin, bones)
+  for _ = 1, 6 do
+    p = keep_off(p, skin, true, 0.003)
+    for _, bone in ipairs(bones) do p = keep_off(p, bone, false, 0.003) end
+  end
+  return p
+end
+
+-- The control points of a muscle: the given ones and two between each pair, all but the ends in the soft tissue.
+local function control_points(given, skin, bones)
+  local points = {given[1]}
+  for i = 2, #given do
+    for j = 1, 3 do
+      local p = {}
+      for k = 1, 3 do p[k] = given[i - 1][k] + (given[i][k] - given[i - 1][k]) * j / 3 end
+      local is_end = i == #given and j == 3
+      points[#points + 1] = is_end and p or in_soft_tissue(p, skin, bones)
+    end
+  end
+  return points
+end
+
 local function step(name, t0)
   io.stderr:write(string.format("%-12s %6.2f s\n", name, sinew.time() - t0))
 end
 
 local scene = sinew.scene{name = "dog hindleg", unit = "m", up = "z"}
-scene:set_skin(assert(sinew.surface.load(data .. "/skin.stl")))
-for _, name in ipairs(bones) do
-  scene:add_bone(name, assert(sinew.surface.load(data .. "/bones/" .. name .. ".stl")))
+local skin = assert(sinew.surface.load(data .. "/skin.stl"))
+scene:set_skin(skin)
+local surfaces = {}
+for i, name in ipairs(bones) do
+  surfaces[i] = assert(sinew.surface.load(data .. "/bones/" .. name .. ".stl"))
+  scene:add_bone(name, surfaces[i])
 end
 
 local t0 = sinew.time()
@@ -65,7 +100,8 @@ step("mesh", t0)
 local sites = read_sites(data .. "/attachment_sites.csv")
 for _, m in ipairs(muscles) do
   local name, origin, insertion, tissue, between = table.unpack(m)
-  scene:add_muscle(name, {points = {sites[name][origin], between[1], between[2], sites[name][insertion]}, tissue = tissue})
+  local given = {sites[name][origin], between[1], between[2], sites[name][insertion]}
+  scene:add_muscle(name, {points = control_points(given, skin, surfaces), tissue = tissue})
 end
 scene:set_fat(0.15)
 

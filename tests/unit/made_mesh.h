@@ -3,7 +3,6 @@
 #define SN_TESTS_MADE_MESH_H
 
 #include "base/alloc.h"
-#include "mesh/shape.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/tri_mesh.h"
 
@@ -29,28 +28,52 @@ static inline sn_tri_mesh made_box(sn_vec3 min, sn_vec3 max)
     return m;
 }
 
-/* A sphere with triangles of about `cell`. */
-static inline sn_tri_mesh made_sphere(sn_vec3 center, double radius, double cell)
+/* n_ring rings of n_around vertices between two poles, joined by triangles; the caller places the vertices: the first
+ * pole, the rings, the last pole. Outside out when the rings turn counter-clockwise about the way to the last pole. */
+static inline sn_tri_mesh made_rings(int n_ring, int n_around)
 {
-    sn_shape *s = NULL;
     sn_tri_mesh m;
     sn_tri_mesh_init(&m);
-    assert_int_equal(sn_shape_sphere(&s, center, radius, NULL), SN_OK);
-    assert_int_equal(sn_shape_mesh(s, cell, NULL, &m, NULL), SN_OK);
-    sn_shape_release(s);
+    assert_int_equal(sn_tri_mesh_reserve(&m, n_ring * n_around + 2, 2 * n_ring * n_around, NULL), SN_OK);
+    int32_t *f = m.face, last = m.n_vert - 1;
+    for (int r = 0; r <= n_ring; r++)
+        for (int k = 0; k < n_around; k++) {
+            int next = (k + 1) % n_around, below = 1 + (r - 1) * n_around, above = 1 + r * n_around;
+            int32_t a = r > 0 ? below + k : 0, b = r > 0 ? below + next : 0;
+            int32_t c = r < n_ring ? above + next : last, d = r < n_ring ? above + k : last;
+            if (r > 0) *f++ = a, *f++ = b, *f++ = c;
+            if (r < n_ring) *f++ = a, *f++ = c, *f++ = d;
+        }
     return m;
 }
 
-/* A capsule of radius r from a to b. */
+/* A capsule of radius r from a to b; a = b gives a ball. Its edges are about `cell` long. */
 static inline sn_tri_mesh made_capsule(sn_vec3 a, sn_vec3 b, double r, double cell)
 {
-    sn_shape *s = NULL;
-    sn_tri_mesh m;
-    sn_tri_mesh_init(&m);
-    assert_int_equal(sn_shape_capsule(&s, a, b, r, r, NULL), SN_OK);
-    assert_int_equal(sn_shape_mesh(s, cell, NULL, &m, NULL), SN_OK);
-    sn_shape_release(s);
+    int n_around = (int)ceil(2.0 * TEST_PI * r / cell), n_cap = (int)ceil(0.5 * TEST_PI * r / cell);
+    int n_side = (int)ceil(sn_v3_dist(a, b) / cell), n_ring = 2 * n_cap - 1 + n_side;
+    sn_vec3 w = sn_v3_dist(a, b) > 0.0 ? sn_v3_unit(sn_v3_sub(b, a)) : sn_v3(0, 0, 1);
+    sn_vec3 u = sn_v3_unit(sn_v3_cross(fabs(w.x) < 0.7 ? sn_v3(1, 0, 0) : sn_v3(0, 1, 0), w)), v = sn_v3_cross(w, u);
+    sn_tri_mesh m = made_rings(n_ring, n_around);
+    sn_v3_store(m.pos, sn_v3_mad(a, -r, w));
+    sn_v3_store(m.pos + 3 * (m.n_vert - 1), sn_v3_mad(b, r, w));
+    for (int i = 0; i < n_ring; i++) {
+        int up = i + 1 < n_cap ? i + 1 - n_cap : i + 1 > n_cap + n_side ? i + 1 - n_cap - n_side : 0;
+        double s = n_side > 0 ? fmin(1.0, fmax(0.0, (double)(i + 1 - n_cap) / n_side)) : 0.0;
+        double height = r * sin(0.5 * TEST_PI * up / n_cap), wide = r * cos(0.5 * TEST_PI * up / n_cap);
+        sn_vec3 c = sn_v3_mad(sn_v3_lerp(a, b, s), height, w);
+        for (int k = 0; k < n_around; k++) {
+            double t = 2.0 * TEST_PI * (k + 0.5 * (i & 1)) / n_around;
+            sn_vec3 p = sn_v3_mad(sn_v3_mad(c, wide * cos(t), u), wide * sin(t), v);
+            sn_v3_store(m.pos + 3 * (1 + i * n_around + k), p);
+        }
+    }
     return m;
+}
+
+static inline sn_tri_mesh made_sphere(sn_vec3 center, double radius, double cell)
+{
+    return made_capsule(center, center, radius, cell);
 }
 
 /* Appends b's faces to a; labels, where a has any, are made `label` for them. Frees b. */
