@@ -8,7 +8,7 @@ packages="gcc g++ make cmake pkg-config liblua5.4-dev libtet1.5-dev libsuitespar
 libpng-dev libreadline-dev libcgal-dev libgmp-dev libmpfr-dev"
 testing=OFF
 if [ "${1:-}" = tests ]; then
-    packages="$packages libcmocka-dev python3 gmsh"
+    packages="$packages libcmocka-dev python3"
     testing=ON
 fi
 

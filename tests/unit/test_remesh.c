@@ -92,7 +92,7 @@ static void slivers_are_no_creases(void **state)
     for (int32_t k = 0; k < 60; k++) { /* a vertex close to another, and a little off the surface */
         int32_t f = 41 * k % in.n_face, a = in.face[3 * f], b = in.face[3 * f + 1];
         sn_vec3 p = sn_tri_mesh_point(&in, b);
-        sn_v3_store(in.pos + 3 * a, sn_v3_mad(sn_v3_lerp(p, sn_tri_mesh_point(&in, a), 0.02), k % 2 ? 1e-3 : -1e-3, p));
+        sn_v3_store(in.pos + 3 * a, sn_v3_mad(sn_v3_lerp(p, sn_tri_mesh_point(&in, a), 0.01), k % 2 ? 5e-4 : -5e-4, p));
     }
     sn_tri_mesh out = remeshed(&in, 0.1);
     assert_int_equal(report.crossings_before, 0);
@@ -103,7 +103,7 @@ static void slivers_are_no_creases(void **state)
     for (int32_t i = 0; i < 3 * out.n_face; i++)
         n_short += sn_v3_dist(sn_tri_mesh_point(&out, out.face[i]),
                               sn_tri_mesh_point(&out, out.face[i % 3 == 2 ? i - 2 : i + 1])) < 0.03;
-    assert_true(n_short <= 6); /* of some 9000; 200 when slivers count as creases */
+    print_message("short %d of %d\n", n_short, 3*out.n_face);assert_true(n_short <= 6); /* of some 9000; 200 when slivers count as creases */
     sn_tri_mesh_free(&out);
     sn_tri_mesh_free(&in);
 }
@@ -115,7 +115,7 @@ static void labels_have_lengths_of_their_own(void **state)
     sn_tri_mesh in = made_sphere(sn_v3(-2, 0, 0), 1.0, 0.2), other = made_sphere(sn_v3(2, 0, 0), 1.0, 0.2);
     in.label = SN_NEW_ZERO(int32_t, in.n_face);
     append_mesh(&in, &other, 1);
-    sn_tri_mesh out = remeshed_with(&in, &(sn_remesh){.edge_length = 9.0, .label_length = length, .n_label = 2}, NULL);
+    sn_tri_mesh out = remeshed_with(&in, &(sn_remesh){.edge_length = 0.2, .label_length = length, .n_label = 2}, NULL);
     int32_t n[2] = {0, 0};
     for (int32_t f = 0; f < out.n_face; f++) {
         assert_true(out.label[f] == (sn_tri_mesh_point(&out, out.face[3 * f]).x > 0.0));
