@@ -19,10 +19,10 @@ static double deadline;        /* sn_clock(), 0: none */
 
 static void tick(lua_State *L, lua_Debug *ar);
 
+/* Instructions only: a hook on calls would also run in the message handler of an error on its way up. */
 void cli_interrupt_wake(void)
 {
-    if (interpreter)
-        lua_sethook(interpreter, tick, LUA_MASKCALL | LUA_MASKRET | LUA_MASKLINE | LUA_MASKCOUNT, 1);
+    if (interpreter) lua_sethook(interpreter, tick, LUA_MASKCOUNT, 1);
 }
 
 static void on_interrupt(int sig)
@@ -74,21 +74,13 @@ static bool core_has_raised(const lsn_state *st)
     return st->last_status == SN_ECANCEL && strcmp(st->last_message, INTERRUPTED) != 0;
 }
 
-/* As luaL_error, with the position of the innermost Lua function: in a hook that is level 0, or higher when a
- * C function is about to run. */
+/* As luaL_error, with the position of the function that the hook came upon. */
 static void raise_here(lua_State *L, const char *text)
 {
-    lua_Debug ar;
-    for (int level = 0; level < 20 && lua_getstack(L, level, &ar); level++) {
-        luaL_where(L, level);
-        if (lua_rawlen(L, -1) > 0) {
-            lua_pushstring(L, text);
-            lua_concat(L, 2);
-            (void)lua_error(L);
-        }
-        lua_pop(L, 1);
-    }
-    (void)luaL_error(L, "%s", text);
+    luaL_where(L, 0);
+    lua_pushstring(L, text);
+    lua_concat(L, 2);
+    (void)lua_error(L);
 }
 
 /* The hook. On the main thread it goes as it runs: whoever wants it again wakes it. */
@@ -105,7 +97,8 @@ static void tick(lua_State *L, lua_Debug *ar)
     if (interrupted) {
         interrupted = 0;
         bool was_caught = core_has_raised(st);
-        remember(st, was_caught ? SN_OK : SN_ECANCEL, was_caught ? "" : INTERRUPTED);
+        remember(st, SN_ECANCEL,
+                 INTERRUPTED); /* the core's messages begin so, too: a script may raise them again */
         if (!was_caught) raise_here(L, INTERRUPTED);
     }
     if (deadline > 0.0 && sn_clock() > deadline) {

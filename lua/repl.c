@@ -105,7 +105,7 @@ static char **complete(const char *text, int start, int end)
     lua_pushinteger(L, end);
     if (lua_pcall(L, 2, 1, 0) == LUA_OK) match = rl_completion_matches(text, next_completion);
     lua_settop(L, top);
-    if (match && !in_quotes) rl_completion_append_character = '\0';
+    rl_completion_append_character = '\0';            /* no blank after it */
     if (!in_quotes) rl_attempted_completion_over = 1; /* file names are for strings only */
     return match;
 }

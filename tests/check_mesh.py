@@ -18,7 +18,6 @@ from fractions import Fraction
 VOLUME_REL = 1e-9
 UNSURE_REL = 1e-12  # of the product of edge lengths: below, the sign of a volume is settled with fractions
 WHOLE = 0           # material that stands for all of them: refs count from 1
-FLAT = "tet %d has volume %g, need > 0"
 
 
 class Bad(Exception):
@@ -29,9 +28,10 @@ class Bad(Exception):
 
 def read_words(path):
     with open(path, "rb") as f:
-        lines = f.read().split(b"\n")
-    return b"\n".join(line.partition(b"#")[0] for line in lines).split() if any(
-        b"#" in line for line in lines) else b"\n".join(lines).split()
+        text = f.read()
+    if b"#" in text:  # comments run to the end of the line
+        text = b"\n".join(line.partition(b"#")[0] for line in text.split(b"\n"))
+    return text.split()
 
 
 def read_section(words, at, width, kind, what):
@@ -88,7 +88,7 @@ def check_volumes(point, tet):
         det = ux * (vy * wz - vz * wy) - uy * (vx * wz - vz * wx) + uz * (vx * wy - vy * wx)
         size = (abs(ux) + abs(uy) + abs(uz)) * (abs(vx) + abs(vy) + abs(vz)) * (abs(wx) + abs(wy) + abs(wz))
         if not det > UNSURE_REL * size and not exact_volume(*corner) > 0:
-            raise Bad(FLAT % (t // 5 + 1, det / 6))
+            raise Bad("tet %d has volume %g, need > 0" % (t // 5 + 1, det / 6))
         volume.append(det)
     return math.fsum(volume) / 6
 
@@ -245,7 +245,7 @@ def main(paths):
     for path in paths:
         try:
             print("%s: %s" % (path, check(path)))
-        except (Bad, OSError, ValueError) as problem:
+        except (Bad, OSError, ValueError, IndexError) as problem:
             print("%s: %s" % (path, problem))
             status = 1
     return status

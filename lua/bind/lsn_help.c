@@ -177,9 +177,10 @@ static const help results[] = {
     {"tets:bounds", "t:bounds() -> {min=, max=}"},
     {"tets:save", "t:save(path) -> true | nil, message  writes .vtu .mesh .msh"},
     {"tets:close", "t:close()  gives its memory back at once"},
-    {"sinew.extract", "sinew.extract(tets, {{name=, values={...}}, ...} [, {margin=0.001}]) -> extraction  "
-                      "the regions where each "
-                      "function (one value per vertex) is the largest"},
+    {"sinew.extract",
+     "sinew.extract(tets, {{name=, values={...}}, ...} [, {margin=0.001}]) -> extraction  "
+     "the regions where each function (one value per vertex) is the largest; the first takes "
+     "the place of fat"},
 };
 
 static void add(lua_State *L, const help *h, size_t n)

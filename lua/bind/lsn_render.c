@@ -180,9 +180,10 @@ static void read_camera(lua_State *L, const sn_scene *s, sn_picture_options *o)
 
 /* ---- the file ---- */
 
+/* A picture that cannot be written is a failed rendering, not a bad input file. */
 static int not_written(lua_State *L, sn_error *err)
 {
-    err->code = SN_ERENDER;
+    if (err->code == SN_EIO) err->code = SN_ERENDER;
     return lsn_raise(L, err);
 }
 

@@ -25,25 +25,26 @@ local function read_sites(path)
 end
 
 -- Name, origin, insertion, tissue value, and points between: the middle of the modeller's muscle a third and two
--- thirds of the way. Large muscles get a larger tissue value, flat and small ones a smaller one.
+-- thirds of the way. The tissue values bring the volumes near those of the modeller's muscles, as far as that goes
+-- without muscles that are not here: where a neighbour is missing, a muscle takes its room.
 local muscles = {
-  {"m_gluteus_medius_L", "Pelvis", "Femoris_L", 1.2, {{-0.2710, 0.0467, 0.4952}, {-0.2960, 0.0577, 0.4849}}},
-  {"m_gluteus_superficialis_major_L", "Sacrum", "Femoris_L", 0.8, {{-0.3020, 0.0247, 0.5122}, {-0.3159, 0.0468, 0.4970}}},
-  {"m_sartorius_L", "Pelvis", "Tibia_L", 0.9, {{-0.2857, 0.0470, 0.4091}, {-0.3176, 0.0604, 0.3289}}},
-  {"m_sartorius_L(2)", "Pelvis", "Patella_L", 0.9, {{-0.2635, 0.0515, 0.4209}, {-0.2920, 0.0612, 0.3575}}},
-  {"m_rectus_femoris_L", "Pelvis", "Patella_L", 1.2, {{-0.3003, 0.0708, 0.4165}, {-0.3063, 0.0774, 0.3604}}},
-  {"m_vastus_lat_L", "Femoris_L", "Patella_L", 1.1, {{-0.3146, 0.0831, 0.4043}, {-0.3152, 0.0834, 0.3514}}},
-  {"m_vastus_med_L", "Femoris_L", "Patella_L", 1.1, {{-0.3129, 0.0635, 0.3944}, {-0.3148, 0.0689, 0.3480}}},
-  {"m_biceps_femoris_L", "Pelvis", "Tibia_L", 1.6, {{-0.3535, 0.0773, 0.4101}, {-0.3663, 0.0884, 0.3484}}},
-  {"m_semitendinosus_L", "Pelvis", "Tibia_L", 1.2, {{-0.3806, 0.0493, 0.3848}, {-0.3757, 0.0585, 0.3233}}},
-  {"m_gracilis_L", "Pelvis", "Tibia_L", 1.0, {{-0.3511, 0.0337, 0.3790}, {-0.3646, 0.0474, 0.3189}}},
-  {"m_adductor_magnus_L", "Pelvis", "Femoris_L", 1.2, {{-0.3478, 0.0345, 0.4193}, {-0.3407, 0.0589, 0.3971}}},
-  {"m_pectineus_L", "Pelvis", "Femoris_L", 0.8, {{-0.3215, 0.0429, 0.4230}, {-0.3247, 0.0574, 0.3968}}},
-  {"m_quadratus_femoris_L", "Pelvis", "Femoris_L", 0.7, {{-0.3598, 0.0457, 0.4547}, {-0.3499, 0.0559, 0.4526}}},
-  {"m_gastrocnemius_L", "Femoris_L2", "Calcaneal_tuber_L", 1.2, {{-0.4155, 0.0772, 0.2906}, {-0.4769, 0.0766, 0.2422}}},
-  {"m_popliteus_L", "Femoris_L", "Tibia_L", 0.8, {{-0.3825, 0.0850, 0.2951}, {-0.3885, 0.0724, 0.2821}}},
-  {"m_tibialis_cranialis_L", "Fibula_L", "Tarsus_central_L", 1.0, {{-0.4289, 0.0887, 0.2338}, {-0.4843, 0.0714, 0.1873}}},
-  {"m_peroneus_longus_L", "Fibula_L", "Tarsus_L_I", 0.9, {{-0.4452, 0.0884, 0.2355}, {-0.5122, 0.0872, 0.1850}}},
+  {"m_gluteus_medius_L", "Pelvis", "Femoris_L", 0.58, {{-0.2710, 0.0467, 0.4952}, {-0.2960, 0.0577, 0.4849}}},
+  {"m_gluteus_superficialis_major_L", "Sacrum", "Femoris_L", 0.30, {{-0.3020, 0.0247, 0.5122}, {-0.3159, 0.0468, 0.4970}}},
+  {"m_sartorius_L", "Pelvis", "Tibia_L", 0.30, {{-0.2857, 0.0470, 0.4091}, {-0.3176, 0.0604, 0.3289}}},
+  {"m_sartorius_L(2)", "Pelvis", "Patella_L", 0.30, {{-0.2635, 0.0515, 0.4209}, {-0.2920, 0.0612, 0.3575}}},
+  {"m_rectus_femoris_L", "Pelvis", "Patella_L", 0.36, {{-0.3003, 0.0708, 0.4165}, {-0.3063, 0.0774, 0.3604}}},
+  {"m_vastus_lat_L", "Femoris_L", "Patella_L", 0.75, {{-0.3146, 0.0831, 0.4043}, {-0.3152, 0.0834, 0.3514}}},
+  {"m_vastus_med_L", "Femoris_L", "Patella_L", 0.80, {{-0.3129, 0.0635, 0.3944}, {-0.3148, 0.0689, 0.3480}}},
+  {"m_biceps_femoris_L", "Pelvis", "Tibia_L", 1.17, {{-0.3535, 0.0773, 0.4101}, {-0.3663, 0.0884, 0.3484}}},
+  {"m_semitendinosus_L", "Pelvis", "Tibia_L", 0.31, {{-0.3806, 0.0493, 0.3848}, {-0.3757, 0.0585, 0.3233}}},
+  {"m_gracilis_L", "Pelvis", "Tibia_L", 0.40, {{-0.3511, 0.0337, 0.3790}, {-0.3646, 0.0474, 0.3189}}},
+  {"m_adductor_magnus_L", "Pelvis", "Femoris_L", 0.52, {{-0.3478, 0.0345, 0.4193}, {-0.3407, 0.0589, 0.3971}}},
+  {"m_pectineus_L", "Pelvis", "Femoris_L", 0.30, {{-0.3215, 0.0429, 0.4230}, {-0.3247, 0.0574, 0.3968}}},
+  {"m_quadratus_femoris_L", "Pelvis", "Femoris_L", 0.30, {{-0.3598, 0.0457, 0.4547}, {-0.3499, 0.0559, 0.4526}}},
+  {"m_gastrocnemius_L", "Femoris_L2", "Calcaneal_tuber_L", 0.34, {{-0.4155, 0.0772, 0.2906}, {-0.4769, 0.0766, 0.2422}}},
+  {"m_popliteus_L", "Femoris_L", "Tibia_L", 0.46, {{-0.3825, 0.0850, 0.2951}, {-0.3885, 0.0724, 0.2821}}},
+  {"m_tibialis_cranialis_L", "Fibula_L", "Tarsus_central_L", 0.37, {{-0.4289, 0.0887, 0.2338}, {-0.4843, 0.0714, 0.1873}}},
+  {"m_peroneus_longus_L", "Fibula_L", "Tarsus_L_I", 0.30, {{-0.4452, 0.0884, 0.2355}, {-0.5122, 0.0872, 0.1850}}},
 }
 
 local bones = {"Pelvis", "Femoris_L", "Patella_L", "Tibia_L", "Fibula_L", "Calcaneal_tuber_L", "Tibial_tarsal_L"}
@@ -103,7 +104,7 @@ for _, m in ipairs(muscles) do
   local given = {sites[name][origin], between[1], between[2], sites[name][insertion]}
   scene:add_muscle(name, {points = control_points(given, skin, surfaces), tissue = tissue})
 end
-scene:set_fat(0.15)
+scene:set_fat(0.25)
 
 t0 = sinew.time()
 local solved = scene:solve()

@@ -28,8 +28,9 @@ static inline sn_tri_mesh made_box(sn_vec3 min, sn_vec3 max)
     return m;
 }
 
-/* n_ring rings of n_around vertices between two poles, joined by triangles; the caller places the vertices: the first
- * pole, the rings, the last pole. Outside out when the rings turn counter-clockwise about the way to the last pole. */
+/* n_ring rings of n_around vertices between two poles, joined by triangles; the caller places the vertices:
+ * the first pole, the rings, the last pole. Outside out when the rings turn counter-clockwise about the way
+ * to the last pole. */
 static inline sn_tri_mesh made_rings(int n_ring, int n_around)
 {
     sn_tri_mesh m;
@@ -53,7 +54,8 @@ static inline sn_tri_mesh made_capsule(sn_vec3 a, sn_vec3 b, double r, double ce
     int n_around = (int)ceil(2.0 * TEST_PI * r / cell), n_cap = (int)ceil(0.5 * TEST_PI * r / cell);
     int n_side = (int)ceil(sn_v3_dist(a, b) / cell), n_ring = 2 * n_cap - 1 + n_side;
     sn_vec3 w = sn_v3_dist(a, b) > 0.0 ? sn_v3_unit(sn_v3_sub(b, a)) : sn_v3(0, 0, 1);
-    sn_vec3 u = sn_v3_unit(sn_v3_cross(fabs(w.x) < 0.7 ? sn_v3(1, 0, 0) : sn_v3(0, 1, 0), w)), v = sn_v3_cross(w, u);
+    sn_vec3 u = sn_v3_unit(sn_v3_cross(fabs(w.x) < 0.7 ? sn_v3(1, 0, 0) : sn_v3(0, 1, 0), w)),
+            v = sn_v3_cross(w, u);
     sn_tri_mesh m = made_rings(n_ring, n_around);
     sn_v3_store(m.pos, sn_v3_mad(a, -r, w));
     sn_v3_store(m.pos + 3 * (m.n_vert - 1), sn_v3_mad(b, r, w));

@@ -1,4 +1,5 @@
-/* test_body - skin and bones to tets: volumes, labels, conformity; bones that cross, touch, poke out; hostile input. */
+/* test_body - skin and bones to tets: volumes, labels, conformity; bones that cross, touch, poke out; hostile
+ * input. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -39,12 +40,15 @@ static sn_vec3 face_centre(const sn_tet_mesh *m, size_t h)
 {
     sn_vec3 c = {0, 0, 0};
     for (int k = 0; k < 3; k++)
-        c = sn_v3_mad(c, 1.0 / 3.0, sn_tet_mesh_point(m, m->tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]]));
+        c = sn_v3_mad(c, 1.0 / 3.0,
+                      sn_tet_mesh_point(m, m->tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]]));
     return c;
 }
 
-/* What must hold for any body. tolerance: how far a boundary face may lie from the surface that it is labelled with. */
-static void assert_sound(const sn_body *b, const sn_tri_mesh *outer, sn_tri_mesh *const *bone, int n_bone, double tolerance)
+/* What must hold for any body. tolerance: how far a boundary face may lie from the surface that it is
+ * labelled with. */
+static void assert_sound(const sn_body *b, const sn_tri_mesh *outer, sn_tri_mesh *const *bone, int n_bone,
+                         double tolerance)
 {
     sn_bvh *bvh[8] = {NULL};
     int32_t *adj = NULL;
@@ -84,7 +88,8 @@ static void assert_sound(const sn_body *b, const sn_tri_mesh *outer, sn_tri_mesh
     assert_true(report.share_below_10_deg < 0.05);
 }
 
-static sn_body build_in(const sn_tri_mesh *outer, sn_tri_mesh *const *bone, int n_bone, double edge, double tolerance)
+static sn_body build_in(const sn_tri_mesh *outer, sn_tri_mesh *const *bone, int n_bone, double edge,
+                        double tolerance)
 {
     static const char *const names[] = {"a", "b", "c", "d"};
     sn_named_surface named[4];
@@ -93,7 +98,8 @@ static sn_body build_in(const sn_tri_mesh *outer, sn_tri_mesh *const *bone, int 
     for (int i = 0; i < n_bone; i++) named[i] = (sn_named_surface){names[i], bone[i]};
     sn_notes_free(&notes);
     sn_body_init(&b);
-    if (sn_body_build(outer, named, n_bone, &(sn_body_options){.edge_length = edge}, NULL, &b, &report, &notes, &err))
+    if (sn_body_build(outer, named, n_bone, &(sn_body_options){.edge_length = edge}, NULL, &b, &report,
+                      &notes, &err))
         fail_msg("%s", err.msg);
     assert_sound(&b, outer, bone, n_bone, tolerance);
     return b;
@@ -145,7 +151,8 @@ static void skin_alone(void **state)
     assert_true(report.bone_volume == 0.0 && report.n_dropped == 0 && !report.was_resampled);
     assert_int_equal(notes.n_line, 0);
     double max_volume = 0.35 * EDGE * EDGE * EDGE;
-    for (int32_t t = 0; t < b.mesh.n_tet; t++) assert_true(sn_tet_mesh_tet_volume(&b.mesh, t) <= max_volume * (1 + 1e-9));
+    for (int32_t t = 0; t < b.mesh.n_tet; t++)
+        assert_true(sn_tet_mesh_tet_volume(&b.mesh, t) <= max_volume * (1 + 1e-9));
     sn_body_free(&b);
     sn_body_free(&b);
 }
@@ -178,13 +185,15 @@ static void lengths_of_skin_and_bones(void **state)
     sn_named_surface named = {"a", &ball};
     sn_body b;
     sn_body_init(&b);
-    const sn_body_options opt = {.edge_length = 0.25, .bone_edge_length = 0.1, .max_volume = 0.01, .radius_edge = 1.8};
+    const sn_body_options opt = {
+        .edge_length = 0.25, .bone_edge_length = 0.1, .max_volume = 0.01, .radius_edge = 1.8};
     assert_int_equal(sn_body_build(&skin, &named, 1, &opt, NULL, &b, &report, NULL, NULL), SN_OK);
     assert_sound(&b, &skin, BONES(&ball), 1, 0.05);
     double on_skin = area_with(&b, SN_LABEL_SKIN) / faces_with(&b, SN_LABEL_SKIN);
     double on_bone = area_with(&b, SN_LABEL_BONE(0)) / faces_with(&b, SN_LABEL_BONE(0));
     assert_true(on_skin > 2.0 * on_bone); /* (0.25 / 0.1)^2 = 6.25, less what TetGen splits */
-    for (int32_t t = 0; t < b.mesh.n_tet; t++) assert_true(sn_tet_mesh_tet_volume(&b.mesh, t) <= 0.01 * (1 + 1e-9));
+    for (int32_t t = 0; t < b.mesh.n_tet; t++)
+        assert_true(sn_tet_mesh_tet_volume(&b.mesh, t) <= 0.01 * (1 + 1e-9));
     sn_body_free(&b);
     sn_tri_mesh_free(&ball);
 }
@@ -201,7 +210,8 @@ static void crossing_bones_are_united(void **state)
     assert_near(report.bone_volume_exact, 0.256, 1e-9);
     assert_near(report.bone_volume, 0.256, 0.015);
     /* Top and bottom: a cross of 0.64 each; ends 4 x 0.16; walls 8 x 0.3 x 0.4. */
-    assert_near(area_with(&b, SN_LABEL_BONE(0)) + area_with(&b, SN_LABEL_BONE(1)), 2 * 0.64 + 0.64 + 0.96, 0.01);
+    assert_near(area_with(&b, SN_LABEL_BONE(0)) + area_with(&b, SN_LABEL_BONE(1)), 2 * 0.64 + 0.64 + 0.96,
+                0.01);
     assert_true(area_with(&b, SN_LABEL_BONE(1)) > 2 * 0.24 + 0.32 + 0.4); /* its arms at least */
     sn_body_free(&b);
     sn_tri_mesh_free(&x);
@@ -234,7 +244,8 @@ static void bone_pokes_through_the_skin(void **state)
     /* A half ball, a cylinder from 0 to the sphere, whose height averages 2 (1 - (1 - r^2)^1.5) / (3 r^2). */
     double r = 0.2, height = 2.0 * (1.0 - pow(1.0 - r * r, 1.5)) / (3.0 * r * r);
     double inside = TEST_PI * r * r * height + 2.0 / 3.0 * TEST_PI * r * r * r;
-    assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), inside, 0.04); /* facets of the capsule and the skin */
+    assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), inside,
+                0.04); /* facets of the capsule and the skin */
     assert_near(report.bone_volume, report.bone_volume_exact, 0.015);
     assert_near(area_with(&b, SN_LABEL_SKIN), sn_tri_mesh_area(&skin) - TEST_PI * r * r, 0.01);
     sn_body_free(&b);
@@ -248,7 +259,8 @@ static void long_rod_runs_through_the_skin(void **state)
     sn_tri_mesh rod = made_box(sn_v3(-5, -0.1, -0.1), sn_v3(5, 0.1, 0.1));
     sn_body b = BUILD(1, &rod);
     assert_true(noted("bone 'a' pokes through the skin"));
-    assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), 0.04 * 2.0 * (1.0 - 0.01 / 3.0), 0.03);
+    assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), 0.04 * 2.0 * (1.0 - 0.01 / 3.0),
+                0.03);
     sn_body_free(&b);
     sn_tri_mesh_free(&rod);
 }
@@ -269,7 +281,8 @@ static void slab_cuts_the_body_in_two(void **state)
 static void bone_flush_with_the_skin(void **state)
 {
     (void)state;
-    sn_tri_mesh cube = made_box(sn_v3(-1, -1, -1), sn_v3(1, 1, 1)), bone = made_box(sn_v3(-0.3, -0.3, 0.2), sn_v3(0.3, 0.3, 1));
+    sn_tri_mesh cube = made_box(sn_v3(-1, -1, -1), sn_v3(1, 1, 1)),
+                bone = made_box(sn_v3(-0.3, -0.3, 0.2), sn_v3(0.3, 0.3, 1));
     sn_body b = build_in(&cube, BONES(&bone), 1, 0.3, 1e-9);
     assert_near(sn_tet_mesh_volume(&b.mesh), 8.0 - 0.288, 1e-9);
     assert_near(area_with(&b, SN_LABEL_SKIN), 24.0 - 0.36, 1e-9);
@@ -284,11 +297,13 @@ static void bone_flush_with_the_skin(void **state)
 static void bone_inside_a_bone_is_not_seen(void **state)
 {
     (void)state;
-    sn_tri_mesh outer = made_sphere(sn_v3(0, 0, 0), 0.5, 0.15), inner = made_sphere(sn_v3(0.05, 0, 0), 0.3, 0.15);
+    sn_tri_mesh outer = made_sphere(sn_v3(0, 0, 0), 0.5, 0.15),
+                inner = made_sphere(sn_v3(0.05, 0, 0), 0.3, 0.15);
     for (int order = 0; order < 2; order++) {
         sn_body b = order ? BUILD(2, &inner, &outer) : BUILD(2, &outer, &inner);
         assert_int_equal(faces_with(&b, SN_LABEL_BONE(1 - order)), 0);
-        assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), sn_tri_mesh_volume(&outer), 0.03);
+        assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), sn_tri_mesh_volume(&outer),
+                    0.03);
         assert_int_equal(report.n_dropped, 0);
         sn_body_free(&b);
     }
@@ -300,15 +315,19 @@ static void boxes_side_by_side(void **state)
 {
     (void)state;
     sn_tri_mesh a = made_box(sn_v3(-0.4, -0.2, -0.2), sn_v3(0.1, 0.2, 0.2)); /* 0.5 x 0.4 x 0.4 */
-    sn_tri_mesh touch = made_box(sn_v3(0.1, -0.1, -0.1), sn_v3(0.5, 0.3, 0.1)); /* on its end: 0.4 x 0.4 x 0.2 */
+    sn_tri_mesh touch =
+        made_box(sn_v3(0.1, -0.1, -0.1), sn_v3(0.5, 0.3, 0.1)); /* on its end: 0.4 x 0.4 x 0.2 */
     sn_body b = BUILD(2, &a, &touch);
     assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), 0.08 + 0.032, 0.005);
-    assert_near(area_with(&b, SN_LABEL_BONE(0)), 2 * 0.16 + 4 * 0.2 - 0.3 * 0.2, 1e-6); /* contact is no boundary */
+    assert_near(area_with(&b, SN_LABEL_BONE(0)), 2 * 0.16 + 4 * 0.2 - 0.3 * 0.2,
+                1e-6); /* contact is no boundary */
     assert_near(area_with(&b, SN_LABEL_BONE(1)), 2 * 0.08 + 4 * 0.12 - 0.3 * 0.2 + 0.08, 0.2);
     sn_body_free(&b);
-    sn_tri_mesh same_sides = made_box(sn_v3(-0.1, -0.2, -0.1), sn_v3(0.5, 0.2, 0.3)); /* overlaps, y sides coplanar */
+    sn_tri_mesh same_sides =
+        made_box(sn_v3(-0.1, -0.2, -0.1), sn_v3(0.5, 0.2, 0.3)); /* overlaps, y sides coplanar */
     b = BUILD(2, &a, &same_sides);
-    assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), 0.08 + 0.6 * 0.4 * 0.4 - 0.2 * 0.4 * 0.3, 0.005);
+    assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh),
+                0.08 + 0.6 * 0.4 * 0.4 - 0.2 * 0.4 * 0.3, 0.005);
     sn_body_free(&b);
     b = BUILD(2, &a, &a); /* twice the same */
     assert_near(sn_tri_mesh_volume(&skin) - sn_tet_mesh_volume(&b.mesh), 0.08, 0.005);
@@ -375,7 +394,8 @@ static void tissue_in_a_hollow_bone_is_dropped(void **state)
 static void surfaces_inside_out_are_turned(void **state)
 {
     (void)state;
-    sn_tri_mesh ball = made_sphere(sn_v3(0, 0, 0), 0.5, 0.2), inverted = made_sphere(sn_v3(0, 0, 0), 1.0, EDGE);
+    sn_tri_mesh ball = made_sphere(sn_v3(0, 0, 0), 0.5, 0.2),
+                inverted = made_sphere(sn_v3(0, 0, 0), 1.0, EDGE);
     double want = sn_tri_mesh_volume(&skin) - sn_tri_mesh_volume(&ball);
     turn_faces(&ball);
     turn_faces(&inverted);
@@ -458,7 +478,8 @@ static void unit_of_length_does_not_matter(void **state)
 
 /* ---- what is refused ---- */
 
-static sn_error failure(const sn_tri_mesh *outer, const sn_tri_mesh *bone, const sn_body_options *opt, const sn_run *run)
+static sn_error failure(const sn_tri_mesh *outer, const sn_tri_mesh *bone, const sn_body_options *opt,
+                        const sn_run *run)
 {
     sn_named_surface named = {"femur", bone};
     sn_body b;
@@ -511,7 +532,8 @@ static void unfit_skins(void **state)
 static void skin_that_crosses_itself(void **state)
 {
     (void)state;
-    sn_tri_mesh s = made_box(sn_v3(0, 0, 0), sn_v3(2, 2, 2)), other = made_box(sn_v3(1, 0.5, 0.5), sn_v3(3, 1.5, 1.5));
+    sn_tri_mesh s = made_box(sn_v3(0, 0, 0), sn_v3(2, 2, 2)),
+                other = made_box(sn_v3(1, 0.5, 0.5), sn_v3(3, 1.5, 1.5));
     append_mesh(&s, &other, 0);
     sn_error err = failure(&s, NULL, &(sn_body_options){.edge_length = 0.5}, NULL);
     assert_int_equal(err.code, SN_EMESH);
@@ -530,7 +552,8 @@ static void unfit_bones(void **state)
     bone.pos[0] = INFINITY;
     assert_refused(&skin, &bone, "bone 'femur': vertex 1 has a coordinate that is not finite");
     sn_tri_mesh_free(&bone);
-    sn_tri_mesh a = made_box(sn_v3(-0.2, -0.2, -0.2), sn_v3(0, 0, 0.2)), b = made_box(sn_v3(0, 0, -0.2), sn_v3(0.2, 0.2, 0.2));
+    sn_tri_mesh a = made_box(sn_v3(-0.2, -0.2, -0.2), sn_v3(0, 0, 0.2)),
+                b = made_box(sn_v3(0, 0, -0.2), sn_v3(0.2, 0.2, 0.2));
     append_mesh(&a, &b, 0); /* welded: four faces on the common edge */
     assert_refused(&skin, &a, "bone 'femur' is not manifold: 1 edges with more than two faces");
     sn_tri_mesh_free(&a);
@@ -545,7 +568,8 @@ static void unfit_bones(void **state)
 static void bones_in_the_wrong_place(void **state)
 {
     (void)state;
-    sn_tri_mesh away = made_box(sn_v3(3, 0, 0), sn_v3(4, 1, 1)), big = made_box(sn_v3(-2, -2, -2), sn_v3(2, 2, 2));
+    sn_tri_mesh away = made_box(sn_v3(3, 0, 0), sn_v3(4, 1, 1)),
+                big = made_box(sn_v3(-2, -2, -2), sn_v3(2, 2, 2));
     assert_refused(&skin, &away, "bone 'femur' lies outside the skin: no part of it is inside");
     assert_refused(&skin, &big, "bone 'femur' encloses the whole skin and leaves no soft tissue");
     assert_refused(&skin, &skin, "the bones leave no soft tissue inside the skin");
@@ -581,19 +605,22 @@ static void limits_and_cancel(void **state)
 {
     (void)state;
     volatile sig_atomic_t cancel = 1;
-    sn_error err = failure(&skin, NULL, &(sn_body_options){.edge_length = EDGE}, &(sn_run){.cancel = &cancel});
+    sn_error err =
+        failure(&skin, NULL, &(sn_body_options){.edge_length = EDGE}, &(sn_run){.cancel = &cancel});
     assert_int_equal(err.code, SN_ECANCEL);
     assert_memory_equal(err.msg, "interrupted while ", 18);
     err = failure(&skin, NULL, &(sn_body_options){.edge_length = EDGE}, &(sn_run){.deadline = 1e-9});
     assert_int_equal(err.code, SN_ELIMIT);
     assert_memory_equal(err.msg, "time limit reached while ", 25);
     double start = sn_clock(); /* far more tets than 0.3 s give */
-    err = failure(&skin, NULL, &(sn_body_options){.edge_length = EDGE, .max_volume = 1e-7, .time_limit = 0.3}, NULL);
+    err = failure(&skin, NULL, &(sn_body_options){.edge_length = EDGE, .max_volume = 1e-7, .time_limit = 0.3},
+                  NULL);
     assert_int_equal(err.code, SN_ELIMIT);
     assert_string_equal(err.msg, "meshing with TetGen: time limit of 0.3 s reached");
     assert_true(sn_clock() - start < 4.0);
 #ifndef __SANITIZE_ADDRESS__ /* which stops at an allocation that fails */
-    const sn_body_options little = {.edge_length = EDGE, .max_volume = 1e-6, .memory_limit = (size_t)24 << 20};
+    const sn_body_options little = {
+        .edge_length = EDGE, .max_volume = 1e-6, .memory_limit = (size_t)24 << 20};
     err = failure(&skin, NULL, &little, NULL);
     assert_int_equal(err.code, SN_ELIMIT);
     assert_non_null(strstr(err.msg, ": memory limit of 24 MiB reached"));
@@ -621,7 +648,8 @@ static void cancel_in_the_middle(void **state)
 static void memory_may_run_out_anywhere(void **state)
 {
     (void)state;
-    sn_tri_mesh cube = made_box(sn_v3(-1, -1, -1), sn_v3(1, 1, 1)), bone = made_box(sn_v3(-0.4, -0.3, -0.2), sn_v3(0.2, 0.3, 0.4));
+    sn_tri_mesh cube = made_box(sn_v3(-1, -1, -1), sn_v3(1, 1, 1)),
+                bone = made_box(sn_v3(-0.4, -0.3, -0.2), sn_v3(0.2, 0.3, 0.4));
     sn_named_surface named = {"a", &bone};
     sn_run one = {.n_threads = 1};
     sn_status st = SN_ENOMEM;
@@ -631,7 +659,8 @@ static void memory_may_run_out_anywhere(void **state)
         sn_error err = {.msg = ""};
         sn_body_init(&b);
         sn_set_allocator(RATION(r));
-        st = sn_body_build(&cube, &named, 1, &(sn_body_options){.edge_length = 1.0}, &one, &b, NULL, NULL, &err);
+        st = sn_body_build(&cube, &named, 1, &(sn_body_options){.edge_length = 1.0}, &one, &b, NULL, NULL,
+                           &err);
         if (st) assert_true(st == SN_ENOMEM || st == SN_ELIMIT); /* the child's own limit is a limit */
         if (st) assert_non_null(strstr(err.msg, "memory"));
         if (st) assert_null(b.across);

@@ -30,8 +30,10 @@ static void faces_of_a_tet_turn_outwards(void **state)
     for (int k = 0; k < 4; k++) {
         const int *f = sn_tet_face[k];
         sn_vec3 a = sn_tet_mesh_point(&m, f[0]);
-        sn_vec3 n = sn_v3_cross(sn_v3_sub(sn_tet_mesh_point(&m, f[1]), a), sn_v3_sub(sn_tet_mesh_point(&m, f[2]), a));
-        assert_true(sn_v3_dot(n, sn_v3_sub(sn_tet_mesh_point(&m, k), a)) < 0.0); /* corner k lies behind face k */
+        sn_vec3 n =
+            sn_v3_cross(sn_v3_sub(sn_tet_mesh_point(&m, f[1]), a), sn_v3_sub(sn_tet_mesh_point(&m, f[2]), a));
+        assert_true(sn_v3_dot(n, sn_v3_sub(sn_tet_mesh_point(&m, k), a)) <
+                    0.0); /* corner k lies behind face k */
         assert_int_equal((1 << k) + (1 << f[0]) + (1 << f[1]) + (1 << f[2]), 15);
     }
     int pairs = 0;
@@ -49,9 +51,11 @@ static void lattice_fills_its_cube(void **state)
     sn_tet_mesh m = made_lattice(5, sn_v3(-1, 2, 3), 0.5);
     assert_int_equal(sn_tet_mesh_validate(&m, NULL), SN_OK);
     assert_true(fabs(sn_tet_mesh_volume(&m) - 2.5 * 2.5 * 2.5) < 1e-12);
-    for (int32_t t = 0; t < m.n_tet; t++) assert_true(fabs(sn_tet_mesh_tet_volume(&m, t) - 0.125 / 6.0) < 1e-15);
+    for (int32_t t = 0; t < m.n_tet; t++)
+        assert_true(fabs(sn_tet_mesh_tet_volume(&m, t) - 0.125 / 6.0) < 1e-15);
     sn_box3 b = sn_tet_mesh_bounds(&m);
-    assert_true(b.min.x == -1 && b.min.y == 2 && b.min.z == 3 && b.max.x == 1.5 && b.max.y == 4.5 && b.max.z == 5.5);
+    assert_true(b.min.x == -1 && b.min.y == 2 && b.min.z == 3 && b.max.x == 1.5 && b.max.y == 4.5 &&
+                b.max.z == 5.5);
     sn_tet_mesh_free(&m);
 }
 

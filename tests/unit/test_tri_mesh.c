@@ -268,8 +268,7 @@ static void many_vertices_weld_as_by_brute_force(void **state)
     for (int k = 0; k < 3 * N; k++) m.pos[k] = pos[k] = floor(7.0 * made_random(&h)) - 3.0;
     for (int k = 0; k < N; k++) m.face[k] = k;
     for (int i = 0; i < N; i++) {
-        for (first[i] = 0; memcmp(pos + 3 * first[i], pos + 3 * i, 24) != 0; first[i]++) {
-        }
+        for (first[i] = 0; memcmp(pos + 3 * first[i], pos + 3 * i, 24) != 0; first[i]++) {}
         number[i] = first[i] == i ? n++ : number[first[i]];
     }
     assert_int_equal(sn_tri_mesh_weld(&m, &joined, NULL), SN_OK);
