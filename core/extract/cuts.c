@@ -125,17 +125,6 @@ int32_t xt_find_edge(const xt_cuts *c, int32_t u, int32_t v)
 
 /* ---- faces ---- */
 
-static void sort3(int32_t v[3])
-{
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2 - i; k++)
-            if (v[k] > v[k + 1]) {
-                int32_t s = v[k];
-                v[k] = v[k + 1];
-                v[k + 1] = s;
-            }
-}
-
 /* At least three tissues on the border of the face: with two, none can win inside alone. */
 static bool has_three_tissues(const xt_cuts *c, const xt_grid *g, const int32_t v[3])
 {
@@ -170,7 +159,7 @@ static sn_status collect_faces(xt_cuts *c, const sn_tet_mesh *m, const xt_grid *
         if (!is_mixed(g, v)) continue;
         for (int k = 0; k < 4; k++) {
             int32_t f[3] = {v[sn_tet_face[k][0]], v[sn_tet_face[k][1]], v[sn_tet_face[k][2]]};
-            sort3(f);
+            sn_sort3(f);
             if (!has_three_tissues(c, g, f)) continue;
             if (!sn_grow(&c->face, &cap, n + 1, sizeof *c->face)) return no_memory(err);
             memcpy(c->face[n++], f, sizeof f);
@@ -250,7 +239,7 @@ static int32_t first_met(const face_work *w, int32_t i, int32_t j, int end)
 static bool add_triple(face_work *w, int32_t i, int32_t j, int32_t m, bool *is_new)
 {
     int32_t t[3] = {i, j, m};
-    sort3(t);
+    sn_sort3(t);
     *is_new = true;
     for (size_t k = 0; k < w->n && *is_new; k++) *is_new = face_less(w->triple[k], t) != 0;
     if (!*is_new) return true;
@@ -332,7 +321,7 @@ static sn_status cut_faces(xt_cuts *c, const xt_grid *g, const sn_run *run, sn_e
 int32_t xt_find_face(const xt_cuts *c, int32_t u, int32_t v, int32_t w)
 {
     int32_t key[3] = {u, v, w}, lo = 0, hi = c->n_face;
-    sort3(key);
+    sn_sort3(key);
     while (lo < hi) {
         int32_t mid = lo + (hi - lo) / 2;
         if (face_less(c->face[mid], key) < 0)

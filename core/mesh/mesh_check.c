@@ -273,16 +273,6 @@ static int32_t count_repeats(void *base, size_t n, size_t size, int (*compare)(c
     return n_repeat;
 }
 
-static void sort_three(int32_t v[3])
-{
-    for (int k = 0; k < 3; k++) {
-        int i = k == 1, swap = v[i]; /* compare 01, 12, 01 */
-        if (v[i] <= v[i + 1]) continue;
-        v[i] = v[i + 1];
-        v[i + 1] = swap;
-    }
-}
-
 static sn_status check_repeats(const sn_tri_mesh *m, sn_mesh_check *out, sn_error *err)
 {
     place *at = SN_NEW(place, m->n_vert);
@@ -291,7 +281,7 @@ static sn_status check_repeats(const sn_tri_mesh *m, sn_mesh_check *out, sn_erro
     if (ok && m->n_vert > 0) memcpy(at, m->pos, (size_t)m->n_vert * sizeof *at);
     if (ok && m->n_face > 0) memcpy(triple, m->face, 3 * (size_t)m->n_face * sizeof *triple);
     if (ok) {
-        for (int32_t f = 0; f < m->n_face; f++) sort_three(triple + 3 * (size_t)f);
+        for (int32_t f = 0; f < m->n_face; f++) sn_sort3(triple + 3 * (size_t)f);
         out->duplicate_vertices = count_repeats(at, (size_t)m->n_vert, sizeof *at, compare_places);
         out->duplicate_faces = count_repeats(triple, (size_t)m->n_face, 3 * sizeof *triple, compare_triples);
     }

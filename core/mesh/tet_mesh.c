@@ -88,13 +88,6 @@ double sn_tet_mesh_volume(const sn_tet_mesh *m)
     return sum;
 }
 
-static void sort3(int32_t v[3])
-{
-    if (v[0] > v[1]) { int32_t s = v[0]; v[0] = v[1]; v[1] = s; }
-    if (v[1] > v[2]) { int32_t s = v[1]; v[1] = v[2]; v[2] = s; }
-    if (v[0] > v[1]) { int32_t s = v[0]; v[0] = v[1]; v[1] = s; }
-}
-
 /* Faces are bucketed by their smallest vertex (counting sort), then matched inside the bucket, which is short. */
 sn_status sn_tet_mesh_adjacency(const sn_tet_mesh *m, int32_t **out, sn_error *err)
 {
@@ -112,7 +105,7 @@ sn_status sn_tet_mesh_adjacency(const sn_tet_mesh *m, int32_t **out, sn_error *e
         const int32_t *t = m->tet + (h & ~(size_t)3);
         const int *c = sn_tet_face[h & 3];
         int32_t v[3] = {t[c[0]], t[c[1]], t[c[2]]};
-        sort3(v);
+        sn_sort3(v);
         mid[2 * h] = v[1];
         mid[2 * h + 1] = v[2];
         adj[h] = -1;

@@ -1,5 +1,6 @@
 /* TetGen in a child process; then labels, adjacency, and the tissue that bone shuts off dropped. */
 #include "base/alloc.h"
+#include "base/array.h"
 #include "base/child.h"
 #include "mesh/bvh.h"
 #include "mesh/mesh_check.h"
@@ -106,17 +107,6 @@ typedef struct label_table { /* the labelled faces by their smallest vertex */
     int32_t n_face;
 } label_table;
 
-static void sort3(int32_t v[3])
-{
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2 - i; k++)
-            if (v[k] > v[k + 1]) {
-                int32_t s = v[k];
-                v[k] = v[k + 1];
-                v[k + 1] = s;
-            }
-}
-
 static sn_status build_table(label_table *t, int32_t n_vert, sn_error *err)
 {
     t->head = SN_NEW(int32_t, n_vert);
@@ -125,7 +115,7 @@ static sn_status build_table(label_table *t, int32_t n_vert, sn_error *err)
     for (int32_t v = 0; v < n_vert; v++) t->head[v] = -1;
     for (int32_t f = 0; f < t->n_face; f++) {
         int32_t v[3] = {t->face[3 * (size_t)f], t->face[3 * (size_t)f + 1], t->face[3 * (size_t)f + 2]};
-        sort3(v);
+        sn_sort3(v);
         t->next[f] = t->head[v[0]];
         t->head[v[0]] = f;
     }
@@ -136,7 +126,7 @@ static int32_t look_up(const label_table *t, const int32_t v[3])
 {
     for (int32_t f = t->head[v[0]]; f >= 0; f = t->next[f]) {
         int32_t w[3] = {t->face[3 * (size_t)f], t->face[3 * (size_t)f + 1], t->face[3 * (size_t)f + 2]};
-        sort3(w);
+        sn_sort3(w);
         if (w[1] == v[1] && w[2] == v[2]) return t->label[f];
     }
     return -1;
@@ -151,7 +141,7 @@ static sn_status label_boundary(sn_body *b, const int32_t *face, const int32_t *
         const int32_t *tet = b->mesh.tet + (h & ~(size_t)3);
         const int *c = sn_tet_face[h & 3];
         int32_t v[3] = {tet[c[0]], tet[c[1]], tet[c[2]]};
-        sort3(v);
+        sn_sort3(v);
         int32_t l = look_up(&t, v);
         if (l < 0) st = sn_fail(err, SN_EINTERNAL, "body: a boundary face of TetGen's mesh lies on no input face");
         b->across[h] = -1 - l;

@@ -1,25 +1,26 @@
 -- arm.lua - an upper limb made wholly by this script: skin, bones and muscles, from shapes to pictures and tets.
 --
 --     sinew scripts/examples/arm.lua
---     sinew -D size=0.008 -D out=/tmp/arm scripts/examples/arm.lua      coarser and faster, elsewhere
+--     sinew -D size=0.011 -D out=/tmp scripts/examples/arm.lua          coarser and faster, into another folder
+--     sinew -D flexion=20 -D rotation=20 scripts/examples/arm.lua       another pose
 --
--- Writes into the folder `out`: arm.png, arm_section.png (pictures), arm.vtu, arm.mesh (all tissues as tets that fit
--- each other) and the folder arm_muscles (one OBJ per tissue). Prints the volume of each muscle. It is a left arm:
--- metres, x to the subject's left, y up, z to the front, the centre of the shoulder joint at the origin.
+-- Writes into the folder `out`: arm.png and arm_section.png (pictures), arm.vtu and arm.mesh (all tissues as tets that
+-- fit each other) and arm_muscles (a folder: one OBJ for each tissue). Prints the volume of each muscle.
+-- It is a left arm. Metres; x to the subject's left, y up, z to the front; the shoulder joint is at the origin.
 
 out = out or "out"                -- where the files go
-size = size or 0.0052             -- edge length of the skin's mesh, metres: smaller is finer and slower
-fat = fat or 0.10                 -- value of fat on the skin: larger is a thicker layer under the skin
-abduction = abduction or 52       -- degrees between the hanging and the raised upper arm
-rotation = rotation or 48         -- degrees by which the upper arm is turned outwards
-flexion = flexion or 38           -- degrees by which the elbow is bent
+size = size or 0.008              -- edge length of the mesh on the skin: smaller is finer and slower
+fat = fat or 0.10                 -- value of fat on the skin: larger makes a thicker layer under the skin
+abduction = abduction or 62       -- degrees from the hanging to the raised upper arm
+rotation = rotation or 58         -- degrees by which the upper arm is turned outwards
+flexion = flexion or 62           -- degrees by which the elbow is bent
 
-local start = sinew.time()
+local start = sinew.time()        -- seconds on the wall clock
 local shape, vec3 = sinew.shape, sinew.vec3
-local rad, cos, sin = math.rad, math.cos, math.sin
 
--- 1  Two frames. Sites on the limb are given by (along, front, side): metres along the bone, towards the bending side
--- (the palm's side in the forearm), and towards the thumb's side. So the pose above can change and everything follows.
+-- 1  Frames. Places on the limb are given as (along, front, side): metres from the joint along the bone, towards the
+-- side it bends to (in the forearm: the palm's), and towards the thumb's side. So they follow the pose. A vec3 knows
+-- + - * and has the methods dot, cross and unit.
 
 local function frame(origin, along, front, side)
   return function(t, f, s)
@@ -27,21 +28,19 @@ local function frame(origin, along, front, side)
   end
 end
 
-local b, r, f = rad(abduction), rad(rotation), rad(flexion)
-local down = vec3(sin(b), -cos(b), 0)                       -- the upper arm, from shoulder to elbow
-local over = vec3(cos(b), sin(b), 0)                        -- upwards from it
+local sin, cos = function(degrees) return math.sin(math.rad(degrees)) end, function(degrees) return math.cos(math.rad(degrees)) end
+local down = vec3(sin(abduction), -cos(abduction), 0)
+local over = vec3(cos(abduction), sin(abduction), 0)
 local ahead = vec3(0, 0, 1)
-local arm_front, arm_side = ahead * cos(r) + over * sin(r), over * cos(r) - ahead * sin(r)
-local arm = frame(vec3(0, 0, 0), down, arm_front, arm_side)
+local front, side = ahead * cos(rotation) + over * sin(rotation), over * cos(rotation) - ahead * sin(rotation)
+local arm = frame(vec3(0, 0, 0), down, front, side)
 
-local elbow = 0.300                                         -- length of the upper arm
-local fore_along = (down * cos(f) + arm_front * sin(f) + arm_side * 0.10):unit()
-local fore_side = (arm_side - fore_along * arm_side:dot(fore_along)):unit()
-local fore_front = fore_side:cross(fore_along)
-if fore_front:dot(arm_front * cos(f) - down * sin(f)) < 0 then fore_front = -fore_front end
-local fore = frame(arm(elbow, 0, 0), fore_along, fore_front, fore_side)
+local along = (down * cos(flexion) + front * sin(flexion) + side * 0.10):unit()   -- 0.10: the carrying angle
+local radial = (side - along * side:dot(along)):unit()
+local fore = frame(arm(0.300, 0, 0), along, along:cross(radial), radial)
 
--- A chain of capsules through {point, radius} pairs.
+-- 2  Shapes. A chain of capsules (cones with round ends) runs through {point, radius} pairs.
+
 local function chain(...)
   local list, node = {}, {...}
   for i = 1, #node - 1 do
@@ -50,172 +49,194 @@ local function chain(...)
   return shape.union(list)
 end
 
--- 2  The skin: capsules and ellipsoids that flow into each other. smooth_union(k, ...) rounds the seams over a length k.
+-- Digits: name, knuckle, middle joint, tip; their skin is as much thicker as `digit_skin` says.
+local digits = {
+  {"finger_2", {0.342, -0.001, 0.026}, {0.382, 0.004, 0.029}, {0.424, 0.020, 0.032}},
+  {"finger_3", {0.346, -0.001, 0.008}, {0.391, 0.004, 0.010}, {0.438, 0.021, 0.010}},
+  {"finger_4", {0.342, -0.001, -0.010}, {0.383, 0.004, -0.012}, {0.426, 0.021, -0.012}},
+  {"finger_5", {0.332, -0.001, -0.028}, {0.365, 0.004, -0.032}, {0.399, 0.018, -0.035}},
+  {"thumb", {0.304, 0.016, 0.040}, {0.332, 0.022, 0.052}, {0.358, 0.024, 0.059}},
+}
 
-local trunk = shape.ellipsoid({-0.125, -0.040, -0.006}, {0.090, 0.135, 0.082})
-local shoulder = shape.smooth_union(0.05,
-  trunk,
-  chain({vec3(-0.085, 0.022, 0.004), 0.050}, {vec3(-0.020, 0.008, 0.000), 0.056}, {arm(0.090, 0.004, 0.006), 0.050}))
-local upper = shape.smooth_union(0.03,
+-- 3  The skin. smooth_union(k, ...) rounds the seams between shapes over the length k; subtract(a, b) cuts b off a;
+-- shape:mesh{cell=} makes a closed surface with triangles of about that edge length.
+
+local trunk = shape.subtract(shape.ellipsoid({-0.150, -0.035, -0.010}, {0.118, 0.130, 0.090}),
+                             shape.box({-0.350, 0, 0}, {0.200, 0.400, 0.400}))
+local shoulder = chain({vec3(-0.110, 0.020, -0.006), 0.052}, {vec3(-0.020, 0.008, -0.002), 0.058}, {arm(0.090, 0.004, 0.006), 0.050})
+local upper_arm = shape.smooth_union(0.03,
   chain({arm(0.020, 0, 0), 0.054}, {arm(0.130, 0, 0), 0.046}, {arm(0.270, 0, 0), 0.037}),
-  chain({arm(0.110, 0.017, 0), 0.035}, {arm(0.190, 0.018, 0), 0.034}, {arm(0.255, 0.010, 0), 0.027}),    -- biceps
-  chain({arm(0.090, -0.018, -0.004), 0.037}, {arm(0.165, -0.017, 0), 0.035}, {arm(0.260, -0.010, 0), 0.026}), -- triceps
-  chain({arm(0.288, -0.004, -0.024), 0.021}, {arm(0.288, -0.004, 0.024), 0.021}))                          -- condyles
+  chain({arm(0.110, 0.018, 0), 0.036}, {arm(0.180, 0.022, 0), 0.035}, {arm(0.250, 0.010, 0), 0.028}),          -- biceps
+  chain({arm(0.090, -0.020, -0.004), 0.038}, {arm(0.165, -0.020, 0), 0.035}, {arm(0.260, -0.010, 0), 0.026}),  -- triceps
+  chain({arm(0.286, -0.004, -0.024), 0.022}, {arm(0.286, -0.004, 0.024), 0.022}))                              -- condyles
 local forearm = shape.smooth_union(0.025,
-  chain({fore(-0.010, -0.006, 0), 0.036}, {fore(0.070, 0, 0), 0.039}, {fore(0.150, 0, 0), 0.031}, {fore(0.245, 0, 0), 0.019}),
-  chain({arm(0.245, 0.002, 0.018), 0.020}, {fore(0.050, 0.004, 0.022), 0.028}, {fore(0.240, 0, 0.011), 0.018}),
-  chain({fore(0.020, 0.004, -0.022), 0.025}, {fore(0.080, 0.004, -0.018), 0.028}, {fore(0.240, 0, -0.011), 0.018}))
+  chain({fore(-0.010, -0.006, 0), 0.036}, {fore(0.070, 0, 0), 0.040}, {fore(0.150, 0, 0), 0.031}, {fore(0.245, 0, 0), 0.019}),
+  chain({arm(0.245, 0.002, 0.018), 0.022}, {fore(0.050, 0.004, 0.022), 0.029}, {fore(0.240, 0, 0.011), 0.018}),
+  chain({fore(0.020, 0.004, -0.022), 0.026}, {fore(0.080, 0.004, -0.018), 0.029}, {fore(0.240, 0, -0.011), 0.018}))
 local hand = {
   chain({fore(0.235, 0, 0.010), 0.017}, {fore(0.275, 0, 0.014), 0.016}, {fore(0.340, -0.002, 0.026), 0.012}),
-  chain({fore(0.235, 0, -0.010), 0.017}, {fore(0.275, 0, -0.012), 0.016}, {fore(0.330, 0, -0.028), 0.011}),
+  chain({fore(0.235, 0, -0.010), 0.017}, {fore(0.275, 0, -0.012), 0.016}, {fore(0.330, 0, -0.028), 0.012}),
   chain({fore(0.270, 0, 0.004), 0.016}, {fore(0.342, -0.002, 0.008), 0.012}),
   chain({fore(0.270, 0, -0.004), 0.016}, {fore(0.338, -0.001, -0.010), 0.012}),
-  chain({fore(0.262, 0.006, 0.020), 0.016}, {fore(0.300, 0.016, 0.038), 0.013}, {fore(0.330, 0.022, 0.050), 0.0105},
-        {fore(0.358, 0.024, 0.056), 0.0085})}
-for i, finger in ipairs{{0.026, 0.342, 0.088}, {0.008, 0.346, 0.098}, {-0.010, 0.342, 0.090}, {-0.028, 0.332, 0.072}} do
-  local side, knuckle, length = table.unpack(finger)
-  local spread = side * 0.25
-  hand[#hand + 1] = chain({fore(knuckle - 0.01, -0.001, side), 0.0105},
-                          {fore(knuckle + 0.45 * length, 0.004, side + 0.45 * spread), 0.0095},
-                          {fore(knuckle + 0.95 * length, 0.022, side + spread), 0.0075})
+  chain({fore(0.262, 0.006, 0.020), 0.017}, {fore(0.304, 0.016, 0.038), 0.014}),
+}
+for _, digit in ipairs(digits) do
+  local _, knuckle, middle, tip = table.unpack(digit)
+  hand[#hand + 1] = chain({fore(table.unpack(knuckle)), 0.0115}, {fore(table.unpack(middle)), 0.0100}, {fore(table.unpack(tip)), 0.0080})
 end
-local limb = shape.smooth_union(0.02, shape.smooth_union(0.04, shoulder, upper), forearm)
-local skin = shape.smooth_union(0.008, limb, table.unpack(hand)):mesh{cell = size}
+local limb = shape.smooth_union(0.02, shape.smooth_union(0.05, trunk, shoulder, upper_arm), forearm)
+local skin = shape.smooth_union(0.008, limb, table.unpack(hand)):mesh{cell = 1.25 * size}
 
--- 3  The bones.
+-- 4  The bones, in the same way.
+
+local scapula = {
+  chain({vec3(-0.036, -0.014, -0.006), 0.0080}, {vec3(-0.036, 0.013, -0.006), 0.0080}),             -- glenoid
+  chain({vec3(-0.040, 0.000, -0.009), 0.0090}, {vec3(-0.058, -0.002, -0.020), 0.0060}),             -- neck
+  chain({vec3(-0.042, -0.010, -0.010), 0.0060}, {vec3(-0.076, -0.075, -0.044), 0.0055},
+        {vec3(-0.098, -0.122, -0.056), 0.0060}),                                                    -- lateral border
+  chain({vec3(-0.136, 0.008, -0.060), 0.0045}, {vec3(-0.085, 0.024, -0.062), 0.0055}, {vec3(-0.030, 0.041, -0.046), 0.0065},
+        {vec3(0.008, 0.043, -0.032), 0.0075}, {vec3(0.014, 0.042, -0.014), 0.0065}),                -- spine and acromion
+  chain({vec3(-0.048, 0.012, -0.010), 0.0070}, {vec3(-0.044, 0.026, 0.012), 0.0060},
+        {vec3(-0.030, 0.018, 0.030), 0.0060}),                                                      -- coracoid
+}
+local rim = {{-0.100, -0.120, -0.056}, {-0.112, -0.092, -0.060}, {-0.123, -0.064, -0.062}, {-0.132, -0.036, -0.062},
+             {-0.139, -0.008, -0.060}, {-0.137, 0.018, -0.055}, {-0.128, 0.040, -0.048}, {-0.094, 0.028, -0.034}}
+for i, p in ipairs(rim) do                                                                          -- the blade, a fan
+  scapula[#scapula + 1] = shape.capsule({-0.058, -0.006, -0.020}, p, 0.0050, 0.0050)
+  if rim[i + 1] then scapula[#scapula + 1] = shape.capsule(p, rim[i + 1], 0.0050) end
+end
+
+local thorax = {chain({vec3(-0.138, 0.006, 0.056), 0.0090}, {vec3(-0.138, -0.105, 0.050), 0.0070})} -- half the sternum
+for i = 0, 3 do                                                                                     -- and four ribs
+  local y, r = -0.028 * i, 0.006 * i
+  thorax[#thorax + 1] = chain({vec3(-0.136, y - 0.004, 0.056 - 0.002 * i), 0.0055}, {vec3(-0.105 + r / 2, y - 0.018, 0.042), 0.0050},
+                              {vec3(-0.092 + r, y - 0.012, 0.014), 0.0050}, {vec3(-0.104 + r, y + 0.006, -0.014), 0.0050},
+                              {vec3(-0.140, y + 0.018, -0.034), 0.0050})
+end
 
 local bones = {
-  clavicle = chain({vec3(-0.165, 0.030, 0.058), 0.0100}, {vec3(-0.140, 0.034, 0.062), 0.0075},
-                   {vec3(-0.090, 0.040, 0.056), 0.0065}, {vec3(-0.045, 0.046, 0.030), 0.0065},
-                   {vec3(-0.010, 0.046, 0.004), 0.0070}, {vec3(0.000, 0.044, -0.006), 0.0070}),
-  scapula = shape.smooth_union(0.012,
-    chain({vec3(-0.036, -0.014, -0.006), 0.0080}, {vec3(-0.036, 0.013, -0.006), 0.0080}),           -- glenoid
-    chain({vec3(-0.040, 0.000, -0.009), 0.0090}, {vec3(-0.058, -0.002, -0.020), 0.0060}),           -- neck
-    chain({vec3(-0.042, -0.010, -0.010), 0.0060}, {vec3(-0.080, -0.075, -0.044), 0.0050},
-          {vec3(-0.100, -0.122, -0.058), 0.0055}),                                                  -- lateral border
-    chain({vec3(-0.100, -0.122, -0.058), 0.0055}, {vec3(-0.140, 0.000, -0.062), 0.0045},
-          {vec3(-0.128, 0.040, -0.048), 0.0050}, {vec3(-0.060, 0.014, -0.018), 0.0050}),            -- medial, upper border
-    chain({vec3(-0.058, -0.010, -0.020), 0.0045}, {vec3(-0.125, -0.060, -0.060), 0.0040}),          -- blade
-    chain({vec3(-0.056, 0.000, -0.019), 0.0045}, {vec3(-0.135, -0.020, -0.060), 0.0040}),
-    chain({vec3(-0.056, 0.008, -0.018), 0.0045}, {vec3(-0.136, 0.020, -0.056), 0.0040}),
-    chain({vec3(-0.065, -0.028, -0.027), 0.0045}, {vec3(-0.112, -0.090, -0.060), 0.0040}),
-    chain({vec3(-0.138, 0.010, -0.064), 0.0045}, {vec3(-0.080, 0.030, -0.056), 0.0055},
-          {vec3(-0.030, 0.044, -0.044), 0.0065}, {vec3(0.004, 0.040, -0.028), 0.0075},
-          {vec3(0.008, 0.038, -0.014), 0.0065}),                                                    -- spine, acromion
-    chain({vec3(-0.048, 0.012, -0.010), 0.0070}, {vec3(-0.044, 0.026, 0.012), 0.0060},
-          {vec3(-0.030, 0.018, 0.030), 0.0060})),                                                   -- coracoid
-  humerus = shape.smooth_union(0.012,
+  {"scapula", shape.smooth_union(0.012, scapula)},
+  {"clavicle", chain({vec3(-0.138, 0.032, 0.058), 0.0095}, {vec3(-0.122, 0.036, 0.062), 0.0075}, {vec3(-0.085, 0.041, 0.054), 0.0065},
+                     {vec3(-0.045, 0.048, 0.028), 0.0065}, {vec3(-0.012, 0.049, 0.002), 0.0070}, {vec3(0.002, 0.047, -0.010), 0.0070})},
+  {"thorax", shape.smooth_union(0.008, thorax)},
+  {"humerus", shape.smooth_union(0.012,
     shape.sphere({0, 0, 0}, 0.0235),                                                                -- head
     chain({arm(0.008, 0.002, 0.012), 0.0150}, {arm(0.045, 0, 0.002), 0.0140}, {arm(0.100, 0, 0), 0.0110},
-          {arm(0.200, 0, 0), 0.0100}, {arm(0.262, 0, 0), 0.0110}),                                  -- tubercle, shaft
-    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.285, 0, 0.020), 0.0085}),                              -- lateral condyle
-    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.285, -0.003, -0.026), 0.0080}),                        -- medial condyle
-    chain({arm(0.294, 0.003, -0.014), 0.0110}, {arm(0.294, 0.003, 0.018), 0.0100})),                -- trochlea
-  ulna = shape.smooth_union(0.010,
+          {arm(0.200, 0, 0), 0.0100}, {arm(0.262, 0, 0), 0.0110}),                                  -- tubercle and shaft
+    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.285, 0, 0.022), 0.0085}),                              -- lateral condyle
+    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.284, -0.003, -0.028), 0.0080}),                        -- medial condyle
+    chain({arm(0.294, 0.003, -0.014), 0.0110}, {arm(0.294, 0.003, 0.018), 0.0100}))},               -- trochlea
+  {"ulna", shape.smooth_union(0.010,
     chain({fore(-0.020, -0.019, -0.008), 0.0090}, {fore(0.016, -0.015, -0.009), 0.0100}),           -- olecranon
     chain({fore(0.016, -0.014, -0.009), 0.0095}, {fore(0.022, -0.004, -0.009), 0.0075}),            -- coronoid
-    chain({fore(0.020, -0.012, -0.009), 0.0095}, {fore(0.100, -0.006, -0.012), 0.0070},
-          {fore(0.232, 0.000, -0.014), 0.0060}),
-    shape.sphere(fore(0.234, 0.000, -0.014), 0.0080)),
-  radius = shape.smooth_union(0.010,
+    chain({fore(0.020, -0.012, -0.009), 0.0095}, {fore(0.100, -0.006, -0.012), 0.0070}, {fore(0.232, 0, -0.014), 0.0060}),
+    shape.sphere(fore(0.234, 0, -0.014), 0.0080))},                                                 -- head
+  {"radius", shape.smooth_union(0.010,
     chain({fore(0.020, 0.003, 0.015), 0.0100}, {fore(0.026, 0.003, 0.015), 0.0095}),                -- head
-    chain({fore(0.024, 0.003, 0.015), 0.0065}, {fore(0.045, 0.003, 0.012), 0.0070},
-          {fore(0.120, 0.000, 0.018), 0.0075}, {fore(0.205, 0, 0.014), 0.0080}),
-    chain({fore(0.205, 0, 0.013), 0.0080}, {fore(0.236, 0, 0.014), 0.0100}),
-    chain({fore(0.236, 0, 0.006), 0.0090}, {fore(0.236, 0, 0.016), 0.0100})),
-  carpus = shape.smooth_union(0.006,
-    chain({fore(0.258, 0, -0.010), 0.0080}, {fore(0.258, 0, 0.012), 0.0085}),
-    chain({fore(0.270, 0, -0.012), 0.0080}, {fore(0.270, 0, 0.016), 0.0085})),
+    chain({fore(0.024, 0.003, 0.015), 0.0065}, {fore(0.045, 0.003, 0.012), 0.0070},                 -- neck, tuberosity
+          {fore(0.120, 0, 0.018), 0.0075}, {fore(0.205, 0, 0.014), 0.0080}, {fore(0.236, 0, 0.014), 0.0100}),
+    chain({fore(0.236, 0, 0.006), 0.0090}, {fore(0.236, 0, 0.016), 0.0100}))},                      -- wrist end
+  {"carpus", shape.smooth_union(0.006,
+    chain({fore(0.257, 0, -0.011), 0.0075}, {fore(0.257, 0, 0.012), 0.0085}),
+    chain({fore(0.270, 0, -0.013), 0.0075}, {fore(0.270, 0, 0.017), 0.0080}))},
 }
-local order = {"clavicle", "scapula", "humerus", "radius", "ulna", "carpus"}
-for i, side in ipairs{0.026, 0.008, -0.010, -0.028} do                       -- rays of the hand
-  local name = "finger_" .. i + 1
-  local length = ({0.088, 0.098, 0.090, 0.072})[i]
-  local knuckle = ({0.342, 0.346, 0.342, 0.332})[i]
-  bones[name] = chain({fore(0.284, 0, side * 0.55), 0.0050}, {fore(knuckle, -0.001, side), 0.0055},
-                      {fore(knuckle + 0.45 * length, 0.004, side * 1.11), 0.0045},
-                      {fore(knuckle + 0.92 * length, 0.021, side * 1.24), 0.0035})
-  order[#order + 1] = name
+for _, digit in ipairs(digits) do
+  local name, knuckle, middle, tip = table.unpack(digit)
+  local base = name == "thumb" and fore(0.275, 0.009, 0.028) or fore(0.286, 0, 0.55 * knuckle[3])
+  local a, m, z = fore(table.unpack(knuckle)), fore(table.unpack(middle)), fore(table.unpack(tip))
+  bones[#bones + 1] = {name, shape.smooth_union(0.004, chain({base, 0.0060}, {a, 0.0046}, {m, 0.0042}, {z, 0.0036}),
+                                                shape.sphere(a, 0.0064), shape.sphere(m, 0.0056))}
 end
-bones.thumb = chain({fore(0.272, 0.010, 0.027), 0.0055}, {fore(0.300, 0.016, 0.038), 0.0055}, {fore(0.330, 0.022, 0.050), 0.0045},
-                    {fore(0.354, 0.024, 0.0555), 0.0038})
-order[#order + 1] = "thumb"
+
+-- 5  The scene holds skin, bones and muscles and all that is computed from them.
 
 local scene = sinew.scene{name = "arm", unit = "m", up = "y"}
 scene:set_skin(skin)
-for _, name in ipairs(order) do
-  scene:add_bone(name, bones[name]:mesh{cell = 0.8 * size})
+for _, bone in ipairs(bones) do
+  scene:add_bone(bone[1], bone[2]:mesh{cell = 0.7 * size})
 end
+
+-- 6  tetrahedralize fills the skin around the bones with tets.
+
 local mesh = scene:tetrahedralize{edge_length = size, bone_edge_length = 0.8 * size}
-print(mesh.tets, mesh.seconds, sinew.time() - start)
+print(string.format("%d tets after %.1f s", mesh.tets, sinew.time() - start))
 
--- 4  The muscles.
+-- 7  The muscles. Each is a curve through points: origin, belly, insertion; where its tissue value is larger, it takes
+-- more of the room that it shares with its neighbours. surface:closest(p) finds the place on a bone for the two ends.
 
-local function on(bone, p) -- the point of the bone's surface nearest to p
-  return scene:bone(bone):surface():closest(p).point
-end
-
-local muscles = {
-  {"deltoid_anterior", 1.3, {"clavicle", vec3(-0.035, 0.042, 0.034)}, {vec3(-0.005, 0.024, 0.042), arm(0.045, 0.030, 0.018), arm(0.090, 0.022, 0.018)},
-   {"humerus", arm(0.130, 0.008, 0.008)}},
-  {"deltoid_middle", 1.4, {"scapula", vec3(0.016, 0.040, -0.016)}, {vec3(0.024, 0.034, -0.006), arm(0.040, 0.004, 0.040), arm(0.090, 0.003, 0.030)},
-   {"humerus", arm(0.138, 0.000, 0.012)}},
-  {"deltoid_posterior", 1.3, {"scapula", vec3(-0.035, 0.040, -0.050)}, {vec3(-0.008, 0.020, -0.046), arm(0.050, -0.026, 0.026), arm(0.095, -0.017, 0.022)},
-   {"humerus", arm(0.132, -0.006, 0.010)}},
-  {"pectoralis_clavicular", 1.2, {"clavicle", vec3(-0.110, 0.034, 0.064)}, {vec3(-0.080, 0.015, 0.064), vec3(-0.030, -0.008, 0.054), arm(0.060, 0.024, -0.006)},
-   {"humerus", arm(0.072, 0.012, 0.004)}},
-  {"biceps_brachii", {0.5, 1.0, 1.7, 1.8, 1.3, 0.5}, {"scapula", vec3(-0.027, 0.015, 0.036)},
-   {arm(0.075, 0.027, -0.012), arm(0.145, 0.032, -0.004), arm(0.215, 0.028, 0.000), arm(0.275, 0.022, 0.003)}, {"radius", fore(0.042, 0.012, 0.008)}},
-  {"coracobrachialis", 0.7, {"scapula", vec3(-0.034, 0.012, 0.034)}, {vec3(-0.018, -0.016, 0.030), arm(0.090, 0.010, -0.024)},
-   {"humerus", arm(0.145, 0.003, -0.012)}},
-  {"brachialis", {0.7, 1.1, 1.2, 0.6}, {"humerus", arm(0.150, 0.012, 0.004)}, {arm(0.200, 0.017, 0.012), arm(0.255, 0.021, 0.008)},
-   {"ulna", fore(0.030, 0.004, -0.008)}},
-  {"triceps_long", {0.5, 1.3, 1.5, 0.9, 0.5}, {"scapula", vec3(-0.042, -0.024, -0.010)}, {arm(0.085, -0.028, -0.026), arm(0.150, -0.031, -0.014), arm(0.225, -0.023, -0.008)},
-   {"ulna", fore(-0.024, -0.024, -0.010)}},
-  {"triceps_lateral", {0.7, 1.3, 1.3, 0.8, 0.5}, {"humerus", arm(0.075, -0.012, 0.010)}, {arm(0.120, -0.024, 0.018), arm(0.175, -0.027, 0.018), arm(0.240, -0.020, 0.010)},
-   {"ulna", fore(-0.024, -0.024, -0.006)}},
-  {"triceps_medial", {0.6, 0.9, 0.9, 0.5}, {"humerus", arm(0.160, -0.010, -0.006)}, {arm(0.205, -0.016, -0.016), arm(0.255, -0.015, -0.013)},
-   {"ulna", fore(-0.024, -0.021, -0.012)}},
-  {"brachioradialis", {0.6, 1.2, 1.2, 0.7, 0.4}, {"humerus", arm(0.235, 0.000, 0.012)}, {arm(0.275, 0.016, 0.028), fore(0.050, 0.022, 0.030), fore(0.130, 0.012, 0.028)},
-   {"radius", fore(0.228, 0.004, 0.024)}},
-  {"pronator_teres", 0.8, {"humerus", arm(0.283, 0.005, -0.026)}, {fore(0.035, 0.018, -0.012), fore(0.080, 0.016, 0.008)},
-   {"radius", fore(0.120, 0.006, 0.022)}},
-  {"flexor_carpi_radialis", {0.6, 1.1, 1.1, 0.5, 0.4}, {"humerus", arm(0.286, 0.004, -0.032)}, {fore(0.055, 0.025, -0.010), fore(0.110, 0.022, 0.000), fore(0.190, 0.014, 0.006)},
-   {"carpus", fore(0.262, 0.008, 0.008)}},
-  {"flexor_digitorum", {0.6, 1.1, 1.1, 0.5, 0.4}, {"ulna", fore(0.040, -0.002, -0.016)}, {fore(0.090, 0.009, -0.010), fore(0.150, 0.011, -0.006), fore(0.200, 0.012, -0.003)},
-   {"carpus", fore(0.262, 0.008, -0.004)}},
-  {"flexor_carpi_ulnaris", {0.6, 1.1, 1.1, 0.5, 0.4}, {"humerus", arm(0.288, -0.004, -0.032)}, {fore(0.055, 0.012, -0.034), fore(0.115, 0.010, -0.028), fore(0.190, 0.008, -0.020)},
-   {"carpus", fore(0.262, 0.006, -0.016)}},
-  {"extensor_carpi_radialis", {0.6, 1.1, 1.0, 0.5, 0.4}, {"humerus", arm(0.262, -0.006, 0.014)}, {fore(0.035, -0.008, 0.034), fore(0.100, -0.006, 0.030), fore(0.180, -0.008, 0.022)},
-   {"carpus", fore(0.268, -0.008, 0.014)}},
-  {"extensor_digitorum", {0.6, 1.1, 1.1, 0.5, 0.4}, {"humerus", arm(0.286, -0.006, 0.024)}, {fore(0.055, -0.022, 0.016), fore(0.115, -0.018, 0.010), fore(0.185, -0.013, 0.004)},
-   {"carpus", fore(0.262, -0.008, 0.002)}},
-  {"extensor_carpi_ulnaris", {0.6, 1.0, 1.0, 0.5, 0.4}, {"humerus", arm(0.288, -0.008, 0.020)}, {fore(0.055, -0.026, 0.000), fore(0.115, -0.017, -0.010), fore(0.185, -0.010, -0.012)},
-   {"carpus", fore(0.262, -0.006, -0.014)}},
-  {"supraspinatus", 0.8, {"scapula", vec3(-0.120, 0.028, -0.048)}, {vec3(-0.080, 0.030, -0.030), vec3(-0.040, 0.030, -0.014)},
-   {"humerus", vec3(-0.002, 0.022, 0.000)}},
-  {"infraspinatus", 1.0, {"scapula", vec3(-0.125, -0.040, -0.066)}, {vec3(-0.085, -0.030, -0.058), vec3(-0.045, -0.008, -0.040)},
-   {"humerus", vec3(0.004, 0.012, -0.024)}},
-  {"teres_major", 0.9, {"scapula", vec3(-0.100, -0.118, -0.062)}, {vec3(-0.060, -0.090, -0.036), vec3(-0.010, -0.060, 0.000)},
-   {"humerus", arm(0.075, 0.006, -0.010)}},
-  {"subscapularis", 1.0, {"scapula", vec3(-0.115, -0.040, -0.050)}, {vec3(-0.085, -0.025, -0.022), vec3(-0.050, -0.008, 0.012)},
-   {"humerus", vec3(-0.010, -0.004, 0.024)}},
+local belly, spindle, strap = {0.5, 1.2, 1.2, 0.5}, {0.5, 1.1, 1.2, 0.7, 0.4}, {0.8, 1.0, 1.0, 0.8}
+local muscles = { -- name, tissue values, origin, belly, insertion
+  {"deltoid_anterior", {0.8, 1.3, 1.4, 1.1, 0.6}, {"clavicle", vec3(-0.040, 0.044, 0.038)},
+   {vec3(-0.008, 0.022, 0.044), arm(0.045, 0.028, 0.020), arm(0.090, 0.021, 0.020)}, {"humerus", arm(0.130, 0.012, 0.012)}},
+  {"deltoid_middle", {0.8, 1.3, 1.5, 1.2, 0.6}, {"scapula", vec3(0.024, 0.044, -0.014)},
+   {vec3(0.026, 0.036, -0.008), arm(0.045, 0.004, 0.042), arm(0.090, 0.003, 0.032)}, {"humerus", arm(0.140, 0.000, 0.018)}},
+  {"deltoid_posterior", {0.8, 1.3, 1.4, 1.1, 0.6}, {"scapula", vec3(-0.035, 0.040, -0.056)},
+   {vec3(-0.008, 0.018, -0.048), arm(0.050, -0.026, 0.026), arm(0.095, -0.019, 0.023)}, {"humerus", arm(0.132, -0.010, 0.014)}},
+  {"pectoralis_clavicular", {0.8, 1.1, 1.2, 1.0, 0.5}, {"clavicle", vec3(-0.105, 0.036, 0.070)},
+   {vec3(-0.078, 0.016, 0.062), vec3(-0.034, -0.008, 0.052), arm(0.058, 0.026, -0.004)}, {"humerus", arm(0.075, 0.016, 0.004)}},
+  {"pectoralis_sternal", {0.8, 1.2, 1.3, 1.0, 0.5}, {"thorax", vec3(-0.132, -0.045, 0.070)},
+   {vec3(-0.098, -0.048, 0.060), vec3(-0.048, -0.040, 0.046), arm(0.050, 0.024, -0.022)}, {"humerus", arm(0.066, 0.016, -0.004)}},
+  {"biceps_brachii", {0.5, 1.0, 1.7, 1.8, 1.2, 0.5}, {"scapula", vec3(-0.026, 0.014, 0.038)},
+   {arm(0.075, 0.027, -0.012), arm(0.145, 0.034, -0.004), arm(0.215, 0.029, 0.000), arm(0.272, 0.024, 0.004)},
+   {"radius", fore(0.044, 0.014, 0.008)}},
+  {"coracobrachialis", {0.5, 0.8, 0.8, 0.5}, {"scapula", vec3(-0.034, 0.010, 0.036)},
+   {vec3(-0.018, -0.014, 0.032), arm(0.090, 0.010, -0.024)}, {"humerus", arm(0.145, 0.005, -0.016)}},
+  {"brachialis", {0.7, 1.1, 1.2, 0.5}, {"humerus", arm(0.150, 0.014, 0.008)},
+   {arm(0.200, 0.016, 0.014), arm(0.255, 0.020, 0.008)}, {"ulna", fore(0.032, 0.008, -0.008)}},
+  {"triceps_long", {0.5, 1.3, 1.5, 0.9, 0.4}, {"scapula", vec3(-0.038, -0.030, -0.012)},
+   {arm(0.075, -0.030, -0.026), arm(0.145, -0.034, -0.014), arm(0.225, -0.025, -0.010)}, {"ulna", fore(-0.027, -0.025, -0.010)}},
+  {"triceps_lateral", {0.7, 1.3, 1.4, 0.8, 0.4}, {"humerus", arm(0.075, -0.018, 0.010)},
+   {arm(0.120, -0.026, 0.018), arm(0.175, -0.029, 0.017), arm(0.240, -0.023, 0.008)}, {"ulna", fore(-0.027, -0.025, -0.004)}},
+  {"triceps_medial", {0.6, 0.9, 0.9, 0.4}, {"humerus", arm(0.150, -0.012, -0.008)},
+   {arm(0.200, -0.017, -0.016), arm(0.250, -0.018, -0.014)}, {"ulna", fore(-0.028, -0.019, -0.014)}},
+  {"brachioradialis", {0.6, 1.2, 1.2, 0.7, 0.4}, {"humerus", arm(0.232, 0.006, 0.014)},
+   {arm(0.275, 0.018, 0.028), fore(0.050, 0.022, 0.030), fore(0.130, 0.012, 0.027)}, {"radius", fore(0.226, 0.010, 0.024)}},
+  {"pronator_teres", strap, {"humerus", arm(0.278, 0.010, -0.032)},
+   {fore(0.035, 0.018, -0.012), fore(0.080, 0.017, 0.008)}, {"radius", fore(0.122, 0.012, 0.018)}},
+  {"flexor_carpi_radialis", spindle, {"humerus", arm(0.282, 0.012, -0.036)},
+   {fore(0.055, 0.026, -0.010), fore(0.110, 0.022, 0.000), fore(0.190, 0.015, 0.006)}, {"carpus", fore(0.258, 0.014, 0.008)}},
+  {"flexor_digitorum", spindle, {"ulna", fore(0.050, 0.006, -0.014)},
+   {fore(0.090, 0.010, -0.010), fore(0.150, 0.012, -0.005), fore(0.205, 0.014, -0.004)}, {"carpus", fore(0.258, 0.014, -0.004)}},
+  {"flexor_carpi_ulnaris", spindle, {"humerus", arm(0.288, 0.004, -0.042)},
+   {fore(0.055, 0.010, -0.034), fore(0.115, 0.010, -0.028), fore(0.195, 0.008, -0.022)}, {"carpus", fore(0.258, 0.010, -0.018)}},
+  {"extensor_carpi_radialis", spindle, {"humerus", arm(0.266, 0.002, 0.028)},
+   {fore(0.030, 0.000, 0.036), fore(0.100, -0.008, 0.031), fore(0.190, -0.012, 0.020)}, {"carpus", fore(0.260, -0.012, 0.014)}},
+  {"extensor_digitorum", spindle, {"humerus", arm(0.284, -0.010, 0.036)},
+   {fore(0.060, -0.024, 0.018), fore(0.120, -0.019, 0.010), fore(0.195, -0.015, 0.004)}, {"carpus", fore(0.258, -0.014, 0.002)}},
+  {"extensor_carpi_ulnaris", spindle, {"humerus", arm(0.290, -0.014, 0.030)},
+   {fore(0.055, -0.028, 0.002), fore(0.120, -0.018, -0.010), fore(0.195, -0.012, -0.018)}, {"carpus", fore(0.258, -0.012, -0.014)}},
+  {"supraspinatus", strap, {"scapula", vec3(-0.115, 0.022, -0.060)},
+   {vec3(-0.085, 0.036, -0.044), vec3(-0.040, 0.036, -0.022)}, {"humerus", vec3(0.004, 0.032, -0.004)}},
+  {"infraspinatus", {0.8, 1.2, 1.1, 0.6}, {"scapula", vec3(-0.115, -0.045, -0.072)},
+   {vec3(-0.085, -0.034, -0.062), vec3(-0.036, -0.006, -0.044)}, {"humerus", vec3(0.008, 0.012, -0.030)}},
+  {"teres_major", strap, {"scapula", vec3(-0.090, -0.116, -0.064)},
+   {vec3(-0.060, -0.090, -0.044), arm(0.030, -0.020, -0.040)}, {"humerus", arm(0.080, 0.000, -0.018)}},
+  {"subscapularis", {0.8, 1.1, 1.0, 0.6}, {"scapula", vec3(-0.110, -0.050, -0.042)},
+   {vec3(-0.078, -0.036, -0.020), vec3(-0.046, -0.014, 0.012)}, {"humerus", vec3(-0.010, -0.004, 0.030)}},
+  {"thenar", belly, {"carpus", fore(0.268, 0.012, 0.016)},
+   {fore(0.282, 0.020, 0.026), fore(0.296, 0.024, 0.034)}, {"thumb", fore(0.312, 0.026, 0.042)}},
+  {"hypothenar", belly, {"carpus", fore(0.268, 0.012, -0.014)},
+   {fore(0.285, 0.010, -0.019), fore(0.305, 0.009, -0.024)}, {"finger_5", fore(0.322, 0.009, -0.028)}},
 }
+
+local function site(place) -- {bone, point}: the nearest point of that bone's surface
+  return scene:bone(place[1]):surface():closest(place[2]).point
+end
 for _, m in ipairs(muscles) do
   local name, tissue, origin, between, insertion = table.unpack(m)
-  local points = {on(origin[1], origin[2])}
-  table.move(between, 1, #between, 2, points)
-  points[#points + 1] = on(insertion[1], insertion[2])
-  scene:add_muscle(name, {points = points, tissue = tissue})
+  scene:add_muscle(name, {points = {site(origin), table.unpack(between)}, tissue = table.move(tissue, 1, #between + 1, 1, {})})
+  local muscle = scene:muscle(name)
+  muscle:insert_point(muscle:point_count() + 1, site(insertion), tissue[#tissue])
 end
 scene:set_fat(fat)
+
+-- 8  solve computes the tissue functions.
+
 local solved = scene:solve()
 print("solved", sinew.time() - start)
 
-local view = view or {eye = {0.17, -0.02, 2.4}, target = {0.17, -0.10, 0}, fov = 20}
+-- 9  Pictures.
+
+local view = view or {eye = {0.13, 0.02, 2.4}, target = {0.13, -0.02, 0}, fov = 15}
 scene:render{file = out .. "/arm.png", size = {1200, 900}, camera = view, skin_opacity = 0.15}
-if back then
-  scene:render{file = out .. "/arm_back.png", size = {1200, 900}, camera = {eye = {0.17, -0.02, -2.4}, target = {0.17, -0.10, 0}, fov = 20}, skin_opacity = 0.15}
-  scene:render{file = out .. "/arm_curves.png", size = {1200, 900}, camera = view, show = {"bones", "skin", "curves", "points"}, skin_opacity = 0.15}
-end
 print("drawn", sinew.time() - start)

@@ -22,7 +22,8 @@ test("names and counts", function()
     local n = 0
     for _, name in ipairs(x:names()) do n = n + x:part(name):tet_count() end
     check(n == x:tet_count())
-    check(tostring(x) == ("extraction: %d vertices, %d tets, 3 tissues"):format(x:vertex_count(), x:tet_count()))
+    check(tostring(x) == ("extraction: %d vertices, %d tets, 3 tissues"):format(x:vertex_count(),
+                                                                                x:tet_count()))
 end)
 
 test("check", function()
@@ -63,7 +64,8 @@ end)
 test("options", function()
     check(scene:extract{margin = 0.01}:check().conforming)
     check(scene:extract():tet_count() == x:tet_count())
-    checkerr("unknown option 'margn' (did you mean 'margin'? known: margin)", scene.extract, scene, {margn = 0.1})
+    checkerr("unknown option 'margn' (did you mean 'margin'? known: margin)", scene.extract, scene,
+             {margn = 0.1})
     checkerr("option 'margin': number above 0 expected, got 0", scene.extract, scene, {margin = 0})
     checkerr("option 'margin': number above 0 expected, got -1", scene.extract, scene, {margin = -1})
     checkerr("margin is 0.3", scene.extract, scene, {margin = 0.3})
@@ -116,7 +118,8 @@ end)
 
 test("an empty muscle: a warning, no surface, no file", function()
     local s = small_scene()
-    s:add_muscle("ghost", {points = {{0, -1, 0.5}, {0, -0.3, 0.6}, {0, 0.3, 0.6}, {0, 1, 0.5}}, tissue = 0.01})
+    s:add_muscle("ghost",
+                 {points = {{0, -1, 0.5}, {0, -0.3, 0.6}, {0, 0.3, 0.6}, {0, 1, 0.5}}, tissue = 0.01})
     local y = s:extract()
     local part = y:part("ghost")
     check(part:tet_count() == 0 and part:volume() == 0)
@@ -135,7 +138,8 @@ test("the warning of an empty muscle reaches the program", function()
     local path = dir .. "/ghost.lua"
     local file = io.open(path, "w")
     file:write([[local s = dofile("tests/lua/small_scene.lua")()
-        s:add_muscle("ghost", {points = {{0, -1, 0.5}, {0, -0.3, 0.6}, {0, 0.3, 0.6}, {0, 1, 0.5}}, tissue = 0.01})
+        s:add_muscle("ghost",
+                     {points = {{0, -1, 0.5}, {0, -0.3, 0.6}, {0, 0.3, 0.6}, {0, 1, 0.5}}, tissue = 0.01})
         s:extract()]])
     file:close()
     local run = io.popen(arg[first] .. " " .. path .. " 2>&1")
@@ -169,7 +173,8 @@ end)
 test("unknown methods, help", function()
     checkerr("extraction has no 'chek' (did you mean 'check'?)", function() return x:chek() end)
     for name in pairs(getmetatable(x).__index) do check(sinew.help_text["extraction:" .. name], name) end
-    for name in pairs(getmetatable(x:part("fat")).__index) do check(sinew.help_text["part:" .. name], name) end
+    for name in pairs(getmetatable(x:part("fat")).__index) do check(sinew.help_text["part:" .. name],
+                                                                    name) end
 end)
 
 os.execute("rm -rf " .. dir)

@@ -23,7 +23,8 @@ local function read(path)
     return bytes
 end
 
--- 2 x 2 pixels: red, green / blue, (10, 20, 30, 128). In the second picture the lower row differs by 5 and by 20.
+-- 2 x 2 pixels: red, green / blue, (10, 20, 30,
+                                     128). In the second picture the lower row differs by 5 and by 20.
 local png_a = unhex("89504e470d0a1a0a0000000d494844520000000200000002080600000072b60d24000000154944415478da63f8cfc0f01f0c81f47f" ..
                     "2e11b9060040f206b7aa5f28800000000049454e44ae426082")
 local png_b = unhex("89504e470d0a1a0a0000000d494844520000000200000002080600000072b60d24000000174944415478da63f8cfc0f01f0c19187ef" ..
@@ -78,13 +79,17 @@ test("compare", function()
     checknear(d.rmse, math.sqrt((5 ^ 2 + 20 ^ 2) / 16))
     check(d.diff:width() == 2 and d.diff:height() == 2)
     check(sinew.image.compare(a, b, {max = 5}).count == 1 and not sinew.image.compare(a, b, {max = 5}).equal)
-    check(sinew.image.compare(a, b, {max = 5, count = 1}).equal and sinew.image.compare(a, b, {max = 20}).equal)
+    check(sinew.image.compare(a, b, {max = 5, count = 1}).equal and sinew.image.compare(a, b,
+                                                                                        {max = 20}).equal)
     check(sinew.image.compare(a, a).equal and sinew.image.compare(a, a).rmse == 0)
     local tall = sinew.image.load(write("tall.png", png_tall))
     checkerr("pictures: one is 2 x 2 pixels, the other 1 x 3", sinew.image.compare, a, tall)
-    checkerr("unknown option 'cuont' (did you mean 'count'? known: max, count)", sinew.image.compare, a, b, {cuont = 1})
-    checkerr("option 'max': whole number from 0 to 2147483647 expected, got -1", sinew.image.compare, a, b, {max = -1})
-    checkerr("option 'count': whole number from 0 to 2147483647 expected, got 0.5", sinew.image.compare, a, b, {count = 0.5})
+    checkerr("unknown option 'cuont' (did you mean 'count'? known: max, count)", sinew.image.compare, a, b,
+             {cuont = 1})
+    checkerr("option 'max': whole number from 0 to 2147483647 expected, got -1", sinew.image.compare, a, b,
+             {max = -1})
+    checkerr("option 'count': whole number from 0 to 2147483647 expected, got 0.5", sinew.image.compare, a,
+             b, {count = 0.5})
     checkerr("option 'max': whole number expected, got string", sinew.image.compare, a, b, {max = "1"})
     checkerr("sinew.image expected, got string", sinew.image.compare, "a.png", b)
 end)
@@ -125,7 +130,8 @@ test("render: size, background", function()
 end)
 
 test("render: what is shown", function()
-    local all, some = render{show = {"muscles", "bones", "skin", "curves", "points"}}, render{show = {"muscles"}}
+    local all, some = render{show = {"muscles", "bones", "skin", "curves",
+                                     "points"}}, render{show = {"muscles"}}
     check(not sinew.image.compare(all, some).equal)
     check(sinew.image.compare(render{}, render{show = {"skin", "muscles", "bones"}}).equal, "the default")
     check(not sinew.image.compare(render{skin_opacity = 1}, render{skin_opacity = 0.1}).equal)
@@ -139,12 +145,15 @@ test("render: cameras", function()
     check(sinew.image.compare(render{camera = {}}, front).equal)
     check(sinew.image.compare(render{camera = {azimuth = 0, elevation = 0, zoom = 1}}, front).equal)
     for _, name in ipairs{"back", "left", "right", "top", "bottom", "iso"} do
-        check(not sinew.image.compare(render{camera = name, show = {"muscles"}}, render{show = {"muscles"}}).equal, name)
+        check(not sinew.image.compare(render{camera = name, show = {"muscles"}},
+                                      render{show = {"muscles"}}).equal, name)
     end
     local eye = render{camera = {eye = {0, 0, 9}}}
     local mid = scene:bounds()
     mid = (mid.min + mid.max) / 2
-    check(sinew.image.compare(eye, render{camera = {eye = {0, 0, 9}, up = {0, 1, 0}, fov = 30, target = mid}}).equal)
+    check(sinew.image.compare(eye,
+                              render{camera = {eye = {0, 0, 9}, up = {0, 1, 0}, fov = 30,
+                                               target = mid}}).equal)
 end)
 
 test("render: the same again gives the same bytes", function()
@@ -180,7 +189,8 @@ test("render: wrong options", function()
     bad("option 'show': list expected, got string", {show = "skin"})
     bad("option 'show': list of names expected, item 1 is a number", {show = {1}})
     bad("option 'show': unknown 'muscle' (did you mean 'muscles'? known: muscles, bones, skin, curves, points)", {show = {"muscle"}})
-    bad("option 'background': unknown colour 'mauve' (known: transparent, white, black, #rrggbb)", {background = "mauve"})
+    bad("option 'background': unknown colour 'mauve' (known: transparent, white, black, #rrggbb)",
+        {background = "mauve"})
     bad("option 'background': unknown colour '#12345g'", {background = "#12345g"})
     bad("option 'background': unknown colour '#fff'", {background = "#fff"})
     bad("option 'background': {r, g, b} or {r, g, b, a} in 0..1", {background = {1, 1}})
@@ -221,7 +231,8 @@ end)
 test("render: the file is checked before the drawing", function()
     local s = small_scene() -- not solved: a render that begins would show in its revision of the fields
     checkerr("/no/such/a.png: cannot write: No such file", s.render, s, {file = dir .. "/no/such/a.png"})
-    checkerr("option 'file': " .. dir .. "/a.jpg: pictures are written as .png, found '.jpg'", s.render, s, {file = dir .. "/a.jpg"})
+    checkerr("option 'file': " .. dir .. "/a.jpg: pictures are written as .png, found '.jpg'", s.render, s,
+             {file = dir .. "/a.jpg"})
     checkerr("pictures are written as .png, found '.'", s.render, s, {file = dir})
     assert(os.execute("mkdir " .. dir .. "/folder.png"))
     checkerr("folder.png: cannot write: Is a directory", s.render, s, {file = dir .. "/folder.png"})
@@ -248,7 +259,8 @@ end)
 test("render: a flat picture is a warning", function()
     local first = 0
     while arg[first - 1] do first = first - 1 end
-    local path = write("flat.lua", 'local s = sinew.scene() s:set_skin(sinew.shape.sphere({0, 0, 0}, 1):mesh{cell = 0.5})\n' ..
+    local path = write("flat.lua",
+                       'local s = sinew.scene() s:set_skin(sinew.shape.sphere({0, 0, 0}, 1):mesh{cell = 0.5})\n' ..
                                    's:render{file = "' .. dir .. '/flat.png", size = {16, 16}, show = {"bones"}}')
     local run = io.popen(arg[first] .. " " .. path .. " 2>&1")
     local out = run:read("a")

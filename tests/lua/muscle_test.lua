@@ -25,9 +25,11 @@ end)
 test("add: wrong options", function()
     local _, s = with_muscle()
     local add = s.add_muscle
-    checkerr("unknown option 'point' (did you mean 'points'? known: points, tissue)", add, s, "a", {point = {p1, p2}})
+    checkerr("unknown option 'point' (did you mean 'points'? known: points, tissue)", add, s, "a",
+             {point = {p1, p2}})
     checkerr("unknown option 'heads' (known: points, tissue)", add, s, "a", {points = {p1, p2}, heads = {}})
-    checkerr("bad argument #2 to 'add_muscle' (option 'points' is missing)", function() s:add_muscle("a", {}) end)
+    checkerr("bad argument #2 to 'add_muscle' (option 'points' is missing)",
+             function() s:add_muscle("a", {}) end)
     checkerr("option 'points': list expected, got number", add, s, "a", {points = 3})
     checkerr("points[2]: {x, y, z} expected, got number", add, s, "a", {points = {p1, 2}})
     checkerr("points[2]: coordinate z: number expected, got nil", add, s, "a", {points = {p1, {1, 2}}})
@@ -35,14 +37,17 @@ test("add: wrong options", function()
     checkerr("muscle 'a': ", add, s, "a", {points = {p1}})
     checkerr("muscle 'a': ", add, s, "a", {points = {}})
     checkerr("muscle 'a': ", add, s, "a", {points = {p1, p1, p2}})
-    checkerr("option 'tissue': number or list of numbers expected, got string", add, s, "a", {points = {p1, p2}, tissue = "1"})
+    checkerr("option 'tissue': number or list of numbers expected, got string", add, s, "a",
+             {points = {p1, p2}, tissue = "1"})
     checkerr("option 'tissue': 1 values for 2 points", add, s, "a", {points = {p1, p2}, tissue = {1}})
     checkerr("option 'tissue': 3 values for 2 points", add, s, "a", {points = {p1, p2}, tissue = {1, 1, 1}})
     checkerr("tissue[2]: number expected, got boolean", add, s, "a", {points = {p1, p2}, tissue = {1, true}})
-    checkerr("tissue[1]: finite number expected, got inf", add, s, "a", {points = {p1, p2}, tissue = {inf, 1}})
+    checkerr("tissue[1]: finite number expected, got inf", add, s, "a",
+             {points = {p1, p2}, tissue = {inf, 1}})
     checkerr("option 'tissue': finite number expected", add, s, "a", {points = {p1, p2}, tissue = nan})
     checkerr("muscle 'a': tissue of point 1 is 0, need > 0", add, s, "a", {points = {p1, p2}, tissue = 0})
-    checkerr("muscle 'a': tissue of point 2 is -1, need > 0", add, s, "a", {points = {p1, p2}, tissue = {1, -1}})
+    checkerr("muscle 'a': tissue of point 2 is -1, need > 0", add, s, "a",
+             {points = {p1, p2}, tissue = {1, -1}})
     checkerr("table expected, got no value", add, s, "a")
     checkerr("string expected, got number", add, s, 1, {points = {p1, p2}})
     check(#s:muscles() == 1)
@@ -93,7 +98,8 @@ test("points: wrong arguments", function()
     checkerr("number has no integer representation", m.point, m, 1.5)
     checkerr("number has no integer representation", m.point, m, nan)
     checkerr("number expected, got string", m.point, m, "1")
-    checkerr("bad argument #2 to 'set_point' (point: {x, y, z} expected, got no value)", function() m:set_point(1) end)
+    checkerr("bad argument #2 to 'set_point' (point: {x, y, z} expected, got no value)",
+             function() m:set_point(1) end)
     checkerr("point: coordinate z: finite number expected", m.set_point, m, 1, {0, 0, nan})
     checkerr("muscle 'biceps': ", m.set_point, m, 2, p1)
     checkerr("muscle 'biceps': ", m.insert_point, m, 2, p1)
@@ -139,7 +145,8 @@ test("removed muscles", function()
     local m, s = with_muscle()
     local other = s:add_muscle("triceps", {points = {{1, 0, 0}, {1, 1, 0}}})
     s:remove_muscle("biceps")
-    for _, name in ipairs{"name", "point_count", "point", "set_point", "insert_point", "remove_point", "tissue",
+    for _, name in ipairs{"name", "point_count", "point", "set_point", "insert_point", "remove_point",
+                          "tissue",
                           "set_tissue", "curve", "length"} do
         checkerr("muscle 'biceps' was removed", m[name], m, 1, 1)
     end

@@ -20,7 +20,8 @@ test("new: wrong options", function()
     checkerr("option 'up': string expected, got number", sinew.scene, {up = 2})
     checkerr("option 'name': string expected, got number", sinew.scene, {name = 7})
     checkerr("option 'name': text with a zero byte", sinew.scene, {name = "a\0b"})
-    checkerr("bad argument #1 to 'scene' (table of options expected, got string)", function() sinew.scene("leg") end)
+    checkerr("bad argument #1 to 'scene' (table of options expected, got string)",
+             function() sinew.scene("leg") end)
 end)
 
 test("fat and alpha", function()
@@ -48,7 +49,8 @@ test("skin", function()
     check(s:skin():volume() == ball:volume(), "a copy")
     check(s:bounds().max == ball:bounds().max)
     checkerr("sinew.surface expected, got table", s.set_skin, s, {})
-    checkerr("bad argument #1 to 'set_skin' (sinew.surface expected, got no value)", function() s:set_skin() end)
+    checkerr("bad argument #1 to 'set_skin' (sinew.surface expected, got no value)",
+             function() s:set_skin() end)
     checkerr("surface was closed", function()
         local c = ball:copy()
         c:close()
@@ -93,17 +95,20 @@ end)
 
 test("tetrahedralize", function()
     local s = small_scene("bones")
-    local r = s:tetrahedralize{edge_length = 0.35, bone_edge_length = 0.25, max_volume = 0.02, radius_edge = 1.6, time_limit = 60}
+    local r = s:tetrahedralize{edge_length = 0.35, bone_edge_length = 0.25, max_volume = 0.02,
+                               radius_edge = 1.6, time_limit = 60}
     check(r.vertices > 100 and r.tets > r.vertices and r.seconds > 0)
     check(r.surface_faces > 0 and r.min_dihedral > 0 and r.max_dihedral < 180 and r.resampled == false)
     checknear(r.bone_volume, r.bone_volume_exact, 0.1 * r.bone_volume_exact)
-    local again = s:tetrahedralize{edge_length = 0.35, bone_edge_length = 0.25, max_volume = 0.02, radius_edge = 1.6}
+    local again = s:tetrahedralize{edge_length = 0.35, bone_edge_length = 0.25, max_volume = 0.02,
+                                   radius_edge = 1.6}
     check(again.tets == r.tets and again.vertices == r.vertices, "deterministic")
 end)
 
 test("tetrahedralize: wrong options", function()
     local s = small_scene("bones")
-    checkerr("known: edge_length, bone_edge_length, max_volume, radius_edge, time_limit)", s.tetrahedralize, s, {edge = 1})
+    checkerr("known: edge_length, bone_edge_length, max_volume, radius_edge, time_limit)", s.tetrahedralize,
+             s, {edge = 1})
     checkerr("did you mean 'edge_length'?", s.tetrahedralize, s, {edge_lenght = 1})
     checkerr("option 'edge_length': number above 0 expected, got 0", s.tetrahedralize, s, {edge_length = 0})
     checkerr("option 'edge_length': finite number expected", s.tetrahedralize, s, {edge_length = nan})
@@ -111,7 +116,8 @@ test("tetrahedralize: wrong options", function()
     checkerr("option 'max_volume': number above 0 expected, got -1", s.tetrahedralize, s, {max_volume = -1})
     checkerr("1.1", s.tetrahedralize, s, {radius_edge = 0.5})
     checkerr("the scene has no skin: set_skin first", sinew.scene().tetrahedralize, sinew.scene())
-    local open = sinew.surface.new({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 3, 2}, {1, 2, 4}, {1, 4, 3}})
+    local open = sinew.surface.new({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                   {{1, 3, 2}, {1, 2, 4}, {1, 4, 3}})
     checkerr("skin", function()
         local t = sinew.scene()
         t:set_skin(open)
@@ -164,7 +170,8 @@ test("values_at and tissue_at", function()
     check(s:tissue_at{0, -1, 0} == "bone:lower")
     check(s:tissue_at{5, 5, 5} == nil and s:values_at{5, 5, 5} == nil)
     checkerr("point: coordinate y: finite number expected", s.values_at, s, {0, nan, 0})
-    checkerr("bad argument #1 to 'tissue_at' (point: {x, y, z} expected, got no value)", function() s:tissue_at() end)
+    checkerr("bad argument #1 to 'tissue_at' (point: {x, y, z} expected, got no value)",
+             function() s:tissue_at() end)
 end)
 
 test("questions solve first", function()
@@ -226,7 +233,8 @@ test("unknown methods, wrong objects", function()
     local s = sinew.scene()
     checkerr("scene has no 'sovle'", function() s:sovle() end)
     checkerr("sinew.scene expected, got table", s.solve, {})
-    checkerr("sinew.bone expected, got sinew.scene", getmetatable(small_scene("bones"):bone("upper")).__index.name, s)
+    checkerr("sinew.bone expected, got sinew.scene",
+             getmetatable(small_scene("bones"):bone("upper")).__index.name, s)
 end)
 
 -- Warnings go to the program, which prints them: seen from a second run of it.

@@ -57,7 +57,8 @@ test("vec3 arithmetic", function()
     check(-p == sinew.vec3(-1, -2, -3) and p ~= q and p ~= {1, 2, 3})
     check(p:dot(q) == 32 and p:cross(q) == sinew.vec3(-3, 6, -3))
     check(sinew.vec3(3, 4, 0):length() == 5 and sinew.vec3(1, 1, 1):distance{1, 1, 4} == 3)
-    check(sinew.vec3(0, 0, 9):unit() == sinew.vec3(0, 0, 1) and sinew.vec3(0, 0, 0):unit() == sinew.vec3(0, 0, 0))
+    check(sinew.vec3(0, 0, 9):unit() == sinew.vec3(0, 0, 1) and sinew.vec3(0, 0, 0):unit() == sinew.vec3(0,
+                                                                                                         0, 0))
     checkerr("a:dot(b) or a:cross(b)", function() return p * q end)
     checkerr("right side: {x, y, z} expected, got number", function() return p + 1 end)
     checkerr("division by zero", function() return p / 0 end)
@@ -97,7 +98,8 @@ test("new: figures of a cube", function()
 end)
 
 test("new: vec3 vertices, vec3 faces, x y z fields", function()
-    local s = sinew.surface.new({sinew.vec3(0, 0, 0), {x = 1, y = 0, z = 0}, {0, 1, 0}}, {sinew.vec3(1, 2, 3)})
+    local s = sinew.surface.new({sinew.vec3(0, 0, 0), {x = 1, y = 0, z = 0}, {0, 1, 0}},
+                                {sinew.vec3(1, 2, 3)})
     check(s:area() == 0.5)
     local c = s:check()
     check(not c.closed and c.boundary_edges == 3)
@@ -106,7 +108,8 @@ end)
 test("new: wrong lists", function()
     local new = sinew.surface.new
     checkerr("vertices: list expected, got no value", function() new() end)
-    checkerr("bad argument #2 to 'new' (faces: list expected, got nil)", function() sinew.surface.new(corners, nil) end)
+    checkerr("bad argument #2 to 'new' (faces: list expected, got nil)",
+             function() sinew.surface.new(corners, nil) end)
     checkerr("faces: the list is empty", new, corners, {})
     checkerr("vertices[2]: {x, y, z} expected, got number", new, {{0, 0, 0}, 5, {1, 0, 0}}, {{1, 2, 3}})
     checkerr("vertices[1]: coordinate z: finite number expected", new, {{0, 0, nan}}, {{1, 1, 1}})
@@ -133,7 +136,8 @@ test("check: what is wrong is counted", function()
     c = sinew.surface.new(corners, twice):check()
     check(c.duplicate_faces == 1 and c.manifold == false)
     -- two triangles that cross like a plus sign
-    c = sinew.surface.new({{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {0, 0.5, 2}}, {{1, 2, 3}, {4, 5, 6}}):check()
+    c = sinew.surface.new({{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {0, 0.5, 2}},
+                          {{1, 2, 3}, {4, 5, 6}}):check()
     check(c.self_intersections == 1 and c.first_pair[1] == 1 and c.first_pair[2] == 2)
 end)
 
@@ -159,7 +163,8 @@ test("raycast", function()
     check(#s:raycast({1, 0.9, 0.8}, sinew.vec3(0, 1, 0)) == 1)
     check(#s:raycast({-3, 0.5, 0.75}, {1e-200, 0, 0}) == 2)
     checknear(s:raycast({-3, 0.5, 0.75}, {1e200, 0, 0})[1].distance, 3, 1e-12)
-    checkerr("bad argument #2 to 'raycast' (direction: has no length)", function() s:raycast({0, 0, 0}, {0, 0, 0}) end)
+    checkerr("bad argument #2 to 'raycast' (direction: has no length)",
+             function() s:raycast({0, 0, 0}, {0, 0, 0}) end)
     checkerr("origin: coordinate x: finite number expected", s.raycast, s, {nan, 0, 0}, {1, 0, 0})
     checkerr("direction: {x, y, z} expected, got no value", s.raycast, s, {0, 0, 0})
 end)
@@ -189,7 +194,8 @@ end)
 
 test("transform: wrong options", function()
     local s = cube()
-    checkerr("unknown option 'scael' (did you mean 'scale'? known: scale, rotate, translate)", s.transform, s, {scael = 2})
+    checkerr("unknown option 'scael' (did you mean 'scale'? known: scale, rotate, translate)", s.transform,
+             s, {scael = 2})
     checkerr("unknown option 'a' (known: scale, rotate, translate)", s.transform, s, {zzzz = 1, a = 2})
     checkerr("bad argument #1 to 'transform' (options are given by name: {scale = ...}, not as a list)",
              function() s:transform{2} end)
@@ -198,14 +204,16 @@ test("transform: wrong options", function()
     checkerr("option 'scale': number above 0 expected, got 0", s.transform, s, {scale = 0})
     checkerr("option 'scale': number above 0 expected, got -1", s.transform, s, {scale = -1})
     checkerr("option 'scale': finite number expected", s.transform, s, {scale = nan})
-    checkerr("option 'translate': coordinate z: number expected, got nil", s.transform, s, {translate = {1, 2}})
+    checkerr("option 'translate': coordinate z: number expected, got nil", s.transform, s,
+             {translate = {1, 2}})
     checkerr("option 'rotate': table expected, got number", s.transform, s, {rotate = 90})
     checkerr("bad argument #1 to 'transform' (unknown option 'angle' (known: axis, degrees))",
              function() s:transform{rotate = {axis = {0, 0, 1}, angle = 3}} end)
     checkerr("option 'axis' is missing", s.transform, s, {rotate = {degrees = 3}})
     checkerr("option 'degrees' is missing", s.transform, s, {rotate = {axis = {0, 0, 1}}})
     checkerr("option 'axis': has no length", s.transform, s, {rotate = {axis = {0, 0, 0}, degrees = 1}})
-    checkerr("option 'degrees': finite number expected, got inf", s.transform, s, {rotate = {axis = {0, 0, 1}, degrees = inf}})
+    checkerr("option 'degrees': finite number expected, got inf", s.transform, s,
+             {rotate = {axis = {0, 0, 1}, degrees = inf}})
     check(s:volume() == 8, "unchanged by errors")
     s:transform{scale = 1e200}
     checkerr("has a coordinate that is not finite", s.transform, s, {scale = 1e200})
@@ -244,7 +252,8 @@ test("files that cannot be had: nil and a message", function()
     local s, message = sinew.surface.load(dir .. "/none.obj")
     check(s == nil and message:find("none.obj: cannot open: No such file", 1, true), message)
     s, message = sinew.surface.load("thing.xyz")
-    check(s == nil and message:find("unknown surface format 'xyz' (known: .obj .ply .stl .off)", 1, true), message)
+    check(s == nil and message:find("unknown surface format 'xyz' (known: .obj .ply .stl .off)", 1, true),
+          message)
     local file = io.open(dir .. "/bad.obj", "w")
     file:write("v 0 0 0\nv 1 0 0\nf 1 2 3\n")
     file:close()
@@ -260,7 +269,8 @@ test("files that cannot be had: nil and a message", function()
     checkerr("text with a zero byte", sinew.surface.load, "a\0b.obj")
     checkerr("bad argument #2 to 'save' (unknown option 'text' (known: ascii))",
              function() cube():save(dir .. "/a.stl", {text = true}) end)
-    checkerr("option 'ascii': boolean expected, got number", s or cube().save, cube(), dir .. "/a.stl", {ascii = 1})
+    checkerr("option 'ascii': boolean expected, got number", s or cube().save, cube(), dir .. "/a.stl",
+             {ascii = 1})
     remove()
 end)
 
@@ -269,7 +279,8 @@ test("closed surfaces", function()
     s:close()
     s:close()
     check(tostring(s) == "surface (was closed)")
-    for _, name in ipairs{"area", "volume", "bounds", "check", "copy", "vertex_count", "face_count", "transform",
+    for _, name in ipairs{"area", "volume", "bounds", "check", "copy", "vertex_count", "face_count",
+                          "transform",
                           "mirror", "raycast", "closest", "contains", "vertex", "face", "save"} do
         checkerr("surface was closed", s[name], s, "x.obj")
     end
@@ -303,7 +314,8 @@ end)
 test("help texts", function()
     local h = sinew.help_text
     check(h["surface:check"]:find("self_intersections", 1, true))
-    for name, fn in pairs(sinew.surface) do check(type(fn) == "function" and h["sinew.surface." .. name], name) end
+    for name, fn in pairs(sinew.surface) do check(type(fn) == "function" and h["sinew.surface." .. name],
+                                                  name) end
     for name in pairs(sinew.shape) do check(h["sinew.shape." .. name], name) end
     for name in pairs(sinew.image) do check(h["sinew.image." .. name], name) end
     for name in pairs(sinew.tets) do check(h["sinew.tets." .. name], name) end
@@ -312,7 +324,8 @@ test("help texts", function()
     end
     local objects = {surface = cube(), scene = sinew.scene(), shape = sinew.shape.sphere({0, 0, 0}, 1)}
     for kind, object in pairs(objects) do
-        for name in pairs(getmetatable(object).__index) do check(h[kind .. ":" .. name], kind .. ":" .. name) end
+        for name in pairs(getmetatable(object).__index) do check(h[kind .. ":" .. name],
+                                                                 kind .. ":" .. name) end
     end
 end)
 

@@ -70,7 +70,8 @@ test("files that cannot be had: nil and a message", function()
     check(t == nil and message:find("none.mesh: cannot open: No such file", 1, true), message)
     t, message = sinew.tets.load("a.stl")
     check(t == nil and message:find("a.stl", 1, true), message)
-    t, message = sinew.tets.load(write("bad.mesh", "MeshVersionFormatted 2\nDimension 3\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 2 3 4 0\n"))
+    t, message = sinew.tets.load(write("bad.mesh",
+                                       "MeshVersionFormatted 2\nDimension 3\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 2 3 4 0\n"))
     check(t == nil and message:find("bad.mesh:", 1, true), message)
     local ok
     ok, message = cube:save(dir .. "/no/a.vtu")
@@ -101,7 +102,8 @@ end)
 test("extract: three tissues", function()
     local x = sinew.extract(cube, {{name = "a", values = values(cube, function(p) return p.x end)},
                                    {name = "b", values = values(cube, function(p) return p.y end)},
-                                   {name = "c", values = values(cube, function(p) return p.z end)}}, {margin = 0.01})
+                                   {name = "c",
+                                    values = values(cube, function(p) return p.z end)}}, {margin = 0.01})
     for _, name in ipairs(x:names()) do checknear(x:part(name):volume(), 1 / 3, 0.05, name) end
     local c = x:check()
     check(c.conforming and c.manifold and c.positive)
@@ -124,9 +126,11 @@ test("extract: wrong arguments", function()
     checkerr("bad argument #2 to 'extract' (unknown option 'value' (did you mean 'values'? known: name, values))",
              function() sinew.extract(cube, {{name = "a", value = eight}}) end)
     checkerr("functions[1]: option 'name': string expected", sinew.extract, cube, {{values = eight}})
-    checkerr("functions[1]: option 'name': string expected", sinew.extract, cube, {{name = 4, values = eight}})
+    checkerr("functions[1]: option 'name': string expected", sinew.extract, cube,
+             {{name = 4, values = eight}})
     for _, name in ipairs{"", "a/b", "a\nb", "a\0b", ("x"):rep(65)} do
-        checkerr("functions[1]: option 'name': 1..64 bytes without '/' or control characters expected", sinew.extract, cube,
+        checkerr("functions[1]: option 'name': 1..64 bytes without '/' or control characters expected",
+                 sinew.extract, cube,
                  {{name = name, values = eight}})
     end
     checkerr("functions[2]: name 'a' is taken by an earlier one", sinew.extract, cube, {a, a})
@@ -139,14 +143,17 @@ test("extract: wrong arguments", function()
              {{name = "a", values = {1, 2, 3, 4, 5, 6, 7, inf}}})
     checkerr("functions[1].values[2]: number expected, got string", sinew.extract, cube,
              {{name = "a", values = {1, "2", 3, 4, 5, 6, 7, 8}}})
-    checkerr("unknown option 'margn' (did you mean 'margin'? known: margin)", sinew.extract, cube, {a}, {margn = 1})
+    checkerr("unknown option 'margn' (did you mean 'margin'? known: margin)", sinew.extract, cube, {a},
+             {margn = 1})
     checkerr("option 'margin': number above 0 expected, got 0", sinew.extract, cube, {a}, {margin = 0})
     checkerr("margin is 0.5", sinew.extract, cube, {a}, {margin = 0.5})
 end)
 
 test("check after the tets are closed", function()
     local t = assert(sinew.tets.load(cube_path))
-    local x = sinew.extract(t, {{name = "a", values = {1, 2, 3, 4, 5, 6, 7, 8}}, {name = "b", values = {8, 7, 6, 5, 4, 3, 2, 1}}})
+    local x = sinew.extract(t,
+                            {{name = "a", values = {1, 2, 3, 4, 5, 6, 7, 8}},
+                             {name = "b", values = {8, 7, 6, 5, 4, 3, 2, 1}}})
     t:close()
     t:close()
     check(x:check().conforming)
