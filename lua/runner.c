@@ -174,24 +174,27 @@ static bool run_code(cli_session *s)
     return true;
 }
 
-static int push_script_arguments(lua_State *L, const cli_options *o)
+/* The chunk is on top of the stack. */
+static bool call_script(cli_session *s)
 {
+    const cli_options *o = s->opt;
     int n = o->i_script ? o->argc - o->i_script - 1 : 0;
-    luaL_checkstack(L, n + 8, "too many arguments to the script");
-    for (int i = 0; i < n; i++) lua_pushstring(L, o->argv[o->i_script + 1 + i]);
-    return n;
+    if (!lua_checkstack(s->L, n + 8)) {
+        lua_pop(s->L, 1);
+        lua_pushfstring(s->L, "%d arguments are too many for a script", n);
+        cli_failure_of_load(&s->failure, s->L, LUA_ERRRUN, "sinew");
+        return false;
+    }
+    for (int i = 0; i < n; i++) lua_pushstring(s->L, o->argv[o->i_script + 1 + i]);
+    return cli_call(s->L, n, 0, cli_session_origin(s), &s->failure);
 }
 
 static bool run_script(cli_session *s)
 {
     int status = luaL_loadfile(s->L, s->is_stdin ? NULL : s->opt->argv[s->opt->i_script]);
-    if (status != LUA_OK) {
-        cli_failure_of_load(&s->failure, s->L, status,
-                            status == LUA_ERRFILE ? "sinew" : cli_session_origin(s));
-        return false;
-    }
-    int n = push_script_arguments(s->L, s->opt);
-    return cli_call(s->L, n, 0, cli_session_origin(s), &s->failure);
+    if (status == LUA_OK) return call_script(s);
+    cli_failure_of_load(&s->failure, s->L, status, status == LUA_ERRFILE ? "sinew" : cli_session_origin(s));
+    return false;
 }
 
 static bool run_outputs(cli_session *s)

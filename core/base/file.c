@@ -197,7 +197,7 @@ sn_status sn_out_open(sn_out **out, const char *path, sn_error *err)
 
 void sn_out_bytes(sn_out *o, const void *data, size_t size)
 {
-    if (!o->error && fwrite(data, 1, size, o->f) != size) o->error = errno ? errno : EIO;
+    if (size > 0 && !o->error && fwrite(data, 1, size, o->f) != size) o->error = errno ? errno : EIO;
 }
 
 void sn_out_text(sn_out *o, const char *s)

@@ -57,8 +57,10 @@ SN_MUST_USE sn_status xt_cells_build(xt_cells *c, const sn_tet_mesh *m, const xt
 void xt_cells_free(xt_cells *c);
 
 /* ---- positions.c ---- */
-/* Places all corners; moves those that would make a tet flat or turn it. Fills out->mesh.pos and the counts. */
+/* Places all corners; moves those that would make a tet flat or turn it. Fills out->mesh.pos, out->envelope (from value:
+ * n_tissue x n_vert) and the counts. */
 SN_MUST_USE sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, const xt_cuts *cuts,
-                               const xt_cells *cells, double margin, const sn_run *run, sn_error *err);
+                               const xt_cells *cells, const double *value, double margin, const sn_run *run,
+                               sn_error *err);
 
 #endif

@@ -17,6 +17,7 @@ void sn_extraction_free(sn_extraction *x)
 {
     sn_tet_mesh_free(&x->mesh);
     sn_release(x->source);
+    sn_release(x->envelope);
     for (int32_t i = 0; x->name && i < x->n_tissue; i++) sn_release(x->name[i]);
     sn_release(x->name);
     sn_extraction_init(x);
@@ -48,7 +49,8 @@ static sn_status adopt_cells(sn_extraction *x, xt_cells *c, const sn_tet_mesh *m
     size_t n_vert = (size_t)m->n_vert + (size_t)cuts->n_edge_point + (size_t)cuts->n_face_point + c->n_inner;
     if (n_vert > INT32_MAX) return sn_fail(err, SN_ELIMIT, "extract: %zu vertices are more than 2^31", n_vert);
     x->mesh.pos = SN_NEW(double, 3 * n_vert);
-    if (!x->mesh.pos) return sn_fail(err, SN_ENOMEM, "extract: no memory for %zu vertices", n_vert);
+    x->envelope = SN_NEW(double, n_vert);
+    if (!x->mesh.pos || !x->envelope) return sn_fail(err, SN_ENOMEM, "extract: no memory for %zu vertices", n_vert);
     x->mesh.n_vert = (int32_t)n_vert;
     x->mesh.n_tet = (int32_t)c->n_tet;
     x->mesh.tet = c->tet;
@@ -73,7 +75,7 @@ sn_status sn_extract(const sn_tet_mesh *m, const double *value, const char *cons
     if (!st) st = xt_cells_build(&cells, m, &grid, &cuts, run, err);
     if (!st) st = adopt_cells(out, &cells, m, &cuts, err);
     double margin = opt && opt->margin > 0.0 ? opt->margin : DEFAULT_MARGIN;
-    if (!st) st = xt_place(out, m, &grid, &cuts, &cells, margin, run, err);
+    if (!st) st = xt_place(out, m, &grid, &cuts, &cells, value, margin, run, err);
     out->input_volume = st ? 0.0 : sn_tet_mesh_volume(m);
     out->seconds = sn_clock() - start;
     if (out->mesh.tet) cells.tet = cells.part = cells.source = NULL; /* adopted */

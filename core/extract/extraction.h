@@ -18,6 +18,7 @@
 typedef struct sn_extraction {   /* open */
     sn_tet_mesh mesh;            /* all cells; part = tissue id: 0 is the first function (fat)              */
     int32_t *source;             /* n_tet: the input tet that the tet lies in; owned                        */
+    double *envelope;            /* n_vert: the largest tissue function's value there; owned                */
     char **name;                 /* n_tissue; owned                                                         */
     int32_t n_tissue;
     double input_volume;         /* of the input tets                                                       */
@@ -58,7 +59,7 @@ int32_t sn_extraction_find(const sn_extraction *x, const char *name); /* tissue 
 SN_MUST_USE sn_status sn_extraction_part(const sn_extraction *x, int32_t tissue, sn_tet_mesh *out, sn_error *err);
 double sn_extraction_part_volume(const sn_extraction *x, int32_t tissue);
 int32_t sn_extraction_part_tets(const sn_extraction *x, int32_t tissue);
-/* Writes by extension: .vtu .mesh .msh (all tissues, ids and names); a path without an extension is a folder (made when missing) that
+/* Writes by extension: .vtu .mesh .msh (all tissues, ids and names; .vtu also the field "envelope" per vertex); a path without an extension is a folder (made when missing) that
  * receives NAME.obj, the surface of each muscle (not fat, not empty ones). Errors: SN_EIO, SN_EINVAL, SN_ENOMEM. */
 SN_MUST_USE sn_status sn_extraction_save(const sn_extraction *x, const char *path, sn_error *err);
 

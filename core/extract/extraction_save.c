@@ -43,6 +43,8 @@ sn_status sn_extraction_save(const sn_extraction *x, const char *path, sn_error 
     char extension[16];
     sn_file_extension(path, extension);
     if (extension[0] == '\0') return save_folder(x, path, err);
-    sn_tet_extras extras = {.part_name = (const char *const *)x->name, .n_part = x->n_tissue};
+    sn_tet_field envelope = {.name = "envelope", .values = x->envelope, .n_comp = 1};
+    sn_tet_extras extras = {
+        .part_name = (const char *const *)x->name, .n_part = x->n_tissue, .field = &envelope, .n_field = 1};
     return sn_tet_mesh_save(&x->mesh, &extras, path, err);
 }

@@ -379,8 +379,35 @@ static sn_status place_with_raise(placer *p, int32_t largest, int sweeps, const 
     return mend(p, sweeps, run, err);
 }
 
+/* ---- the envelope ---- */
+
+static double value_in(const placer *p, const double *value, int32_t tissue, const int32_t *v, const double *w, int n)
+{
+    const double *f = value + (size_t)tissue * (size_t)p->m->n_vert;
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) sum += w[k] * f[v[k]];
+    return sum;
+}
+
+/* The largest of the functions that tie at a corner: they differ a little where it was moved. */
+static void fill_envelope(placer *p, const double *value)
+{
+    for (int32_t v = 0; v < p->m->n_vert; v++)
+        p->x->envelope[v] = value[(size_t)p->g->winner[v] * (size_t)p->m->n_vert + (size_t)v];
+    for (int32_t id = p->m->n_vert; id < p->n_point; id++) {
+        int32_t v[4];
+        int n = simplex_of(p, id, v);
+        const int32_t *tie = n == 2   ? p->cuts->edge_tie[id - p->m->n_vert]
+                             : n == 3 ? p->cuts->face_tie[id - p->first_face]
+                                      : p->cells->inner_tie[id - p->first_inner];
+        double best = -INFINITY;
+        for (int k = 0; k < n; k++) best = fmax(best, value_in(p, value, tie[k], v, weight_of(p, id), n));
+        p->x->envelope[id] = best;
+    }
+}
+
 sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, const xt_cuts *cuts, const xt_cells *cells,
-                   double margin, const sn_run *run, sn_error *err)
+                   const double *value, double margin, const sn_run *run, sn_error *err)
 {
     static const int32_t raises[] = {0, 1 << 14, 1 << 17, 1 << 20, 1 << 23}; /* of a range of 2^28 */
     placer p = {.x = out, .m = m, .g = g, .cuts = cuts, .cells = cells, .margin = margin};
@@ -393,6 +420,7 @@ sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, c
     size_t last = sizeof raises / sizeof *raises - 1;
     for (size_t i = 0; st == SN_EINTERNAL && i <= last; i++)
         st = place_with_raise(&p, raises[i], i < last ? FIRST_SWEEPS : SWEEPS, run, err);
+    if (!st) fill_envelope(&p, value);
     sn_release(p.weight);
     sn_release(p.raise);
     return st;

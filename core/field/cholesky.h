@@ -18,7 +18,8 @@ void sn_cholesky_destroy(sn_cholesky *c); /* NULL is fine */
 /* a: the matrix given to _create with other values. Errors: SN_ESOLVE (not positive definite: names the column),
  * SN_ENOMEM. The earlier factor is gone either way. */
 SN_MUST_USE sn_status sn_cholesky_factorize(sn_cholesky *c, const sn_csr *a, const sn_run *run, sn_error *err);
-/* x: n x n_rhs, column-major, right-hand sides in and solutions out. Needs a factor. Errors: SN_ESOLVE, SN_ENOMEM. */
+/* x: n x n_rhs, column-major, right-hand sides in and solutions out. Needs a factor. Errors: SN_ESOLVE, SN_ENOMEM,
+ * SN_ECANCEL, SN_ELIMIT; x is then untouched. */
 SN_MUST_USE sn_status sn_cholesky_solve(sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run, sn_error *err);
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* nonzeros of the factor; 0 before it is there */
 

@@ -34,11 +34,14 @@ void sn_tet_barycentric(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 p, double b
     bary[0] = 1.0 - bary[1] - bary[2] - bary[3];
 }
 
+/* Holds every point that counts as inside: up to 3 ON_FACE edge lengths off the tet. */
 static sn_box3 tet_box(const sn_tet_mesh *m, int32_t t)
 {
     sn_box3 b = sn_box3_empty();
     for (int k = 0; k < 4; k++) b = sn_box3_add(b, sn_tet_mesh_point(m, m->tet[4 * (size_t)t + (size_t)k]));
-    return b;
+    double pad = 4.0 * ON_FACE * sn_box3_diagonal(b);
+    sn_vec3 d = {pad, pad, pad};
+    return (sn_box3){sn_v3_sub(b.min, d), sn_v3_add(b.max, d)};
 }
 
 typedef struct keyed {

@@ -132,29 +132,45 @@ typedef struct walker {
     double min_length;
     int32_t tet, i_seg; /* where the walk stands; tet < 0: outside */
     double s;
+    int32_t open_seg;   /* the last piece ran to the end of this cubic; NONE: it ended before */
+    double longest;     /* of the last piece's parts on one cubic each */
 } walker;
+
+#define NONE (-2)
+
+static sn_trace_piece piece_to(const walker *w, double s_end, double length)
+{
+    sn_trace_piece p = {.tet = w->tet, .i_seg = w->i_seg, .s = 0.5 * (w->s + s_end), .length = length};
+    sn_tet_barycentric(&w->body->mesh, p.tet, sn_cubic_point(&w->curve[w->i_seg], p.s), p.bary);
+    return p;
+}
+
+/* Knots inside a tet: one piece, one collocation point, on its longest part. */
+static void lengthen_last(walker *w, double s_end, double length)
+{
+    sn_trace_piece *last = &w->out->piece[w->out->n_piece - 1];
+    double whole = last->length + length;
+    if (length > w->longest) {
+        *last = piece_to(w, s_end, length);
+        w->longest = length;
+    }
+    last->length = whole;
+}
 
 static bool add_piece(walker *w, double s_end)
 {
-    const sn_cubic *c = &w->curve[w->i_seg];
-    double length = s_end > w->s ? sn_cubic_length(c, w->s, s_end) : 0.0;
+    double length = s_end > w->s ? sn_cubic_length(&w->curve[w->i_seg], w->s, s_end) : 0.0;
     if (length <= w->min_length) return true;
     if (!sn_grow(&w->out->piece, &w->cap, w->out->n_piece + 1, sizeof *w->out->piece)) return false;
-    sn_trace_piece *last = w->out->n_piece ? &w->out->piece[w->out->n_piece - 1] : NULL;
-    sn_trace_piece p = {.tet = w->tet, .i_seg = w->i_seg, .s = 0.5 * (w->s + s_end), .length = length};
     w->out->length_inside += length;
-    if (last && last->tet == w->tet && w->s == 0.0 && last->i_seg == w->i_seg - 1) {
-        /* A knot lies inside the tet: one piece, one collocation point, on its longer part. */
-        double whole = last->length + length;
-        if (length > last->length) {
-            *last = p;
-            sn_tet_barycentric(&w->body->mesh, p.tet, sn_cubic_point(c, p.s), last->bary);
-        }
-        last->length = whole;
-        return true;
+    size_t n = w->out->n_piece;
+    if (n > 0 && w->out->piece[n - 1].tet == w->tet && w->s == 0.0 && w->open_seg == w->i_seg - 1) {
+        lengthen_last(w, s_end, length);
+    } else {
+        w->out->piece[w->out->n_piece++] = piece_to(w, s_end, length);
+        w->longest = length;
     }
-    sn_tet_barycentric(&w->body->mesh, p.tet, sn_cubic_point(c, p.s), p.bary);
-    w->out->piece[w->out->n_piece++] = p;
+    w->open_seg = s_end >= 1.0 ? w->i_seg : NONE;
     return true;
 }
 
@@ -239,7 +255,8 @@ sn_status sn_trace_curve(const sn_body *b, const sn_locator *l, const sn_cubic *
     double total = 0.0;
     sn_trace_free(out);
     for (int32_t i = 0; i < n_seg; i++) total += sn_cubic_length(&curve[i], 0.0, 1.0);
-    walker w = {.body = b, .locator = l, .curve = curve, .n_seg = n_seg, .out = out, .min_length = MIN_PIECE * total};
+    walker w = {.body = b, .locator = l, .curve = curve, .n_seg = n_seg, .out = out, .open_seg = NONE};
+    w.min_length = MIN_PIECE * total;
     while (w.i_seg < n_seg && find_entry(&w))
         if (!walk_inside(&w)) {
             sn_trace_free(out);

@@ -20,7 +20,7 @@ cd "$tmp/work" || exit 2
 export XDG_STATE_HOME="$tmp/state"
 export LC_ALL=C
 echo 'leak:libOSMesa' >"$tmp/lsan" # Mesa keeps a few bytes; matters to sanitizer builds only
-export LSAN_OPTIONS="suppressions=$tmp/lsan:print_suppressions=0"
+export LSAN_OPTIONS="${LSAN_OPTIONS:-suppressions=$tmp/lsan:print_suppressions=0}"
 
 n_pass=0 n_fail=0 name='' is_good=1
 

@@ -1,5 +1,5 @@
--- harness - test(name,
-                  fn), check, checkerr, checknear; finish() at the end of a file prints the sum and sets the exit code
+-- harness - test(name, fn), check, checkerr, checknear; finish() at the end of a file prints the sum and sets the
+-- exit code. SN_GC_STRESS in the environment makes the collector run nearly all the time.
 local passed, failed = 0, 0
 
 if os.getenv("SN_GC_STRESS") then collectgarbage("incremental", 1, 10000) end

@@ -23,8 +23,7 @@ local function read(path)
     return bytes
 end
 
--- 2 x 2 pixels: red, green / blue, (10, 20, 30,
-                                     128). In the second picture the lower row differs by 5 and by 20.
+-- 2 x 2 pixels: red, green / blue, (10, 20, 30, 128). In the second picture the lower row differs by 5 and by 20.
 local png_a = unhex("89504e470d0a1a0a0000000d494844520000000200000002080600000072b60d24000000154944415478da63f8cfc0f01f0c81f47f" ..
                     "2e11b9060040f206b7aa5f28800000000049454e44ae426082")
 local png_b = unhex("89504e470d0a1a0a0000000d494844520000000200000002080600000072b60d24000000174944415478da63f8cfc0f01f0c19187ef" ..
@@ -259,9 +258,10 @@ end)
 test("render: a flat picture is a warning", function()
     local first = 0
     while arg[first - 1] do first = first - 1 end
-    local path = write("flat.lua",
-                       'local s = sinew.scene() s:set_skin(sinew.shape.sphere({0, 0, 0}, 1):mesh{cell = 0.5})\n' ..
-                                   's:render{file = "' .. dir .. '/flat.png", size = {16, 16}, show = {"bones"}}')
+    local path = write("flat.lua", ([[
+        local s = sinew.scene()
+        s:set_skin(sinew.shape.sphere({0, 0, 0}, 1):mesh{cell = 0.5})
+        s:render{file = "DIR/flat.png", size = {16, 16}, show = {"bones"}}]]):gsub("DIR", dir))
     local run = io.popen(arg[first] .. " " .. path .. " 2>&1")
     local out = run:read("a")
     check(run:close(), out)

@@ -70,8 +70,8 @@ test("files that cannot be had: nil and a message", function()
     check(t == nil and message:find("none.mesh: cannot open: No such file", 1, true), message)
     t, message = sinew.tets.load("a.stl")
     check(t == nil and message:find("a.stl", 1, true), message)
-    t, message = sinew.tets.load(write("bad.mesh",
-                                       "MeshVersionFormatted 2\nDimension 3\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 2 3 4 0\n"))
+    local bad = "MeshVersionFormatted 2\nDimension 3\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 2 3 4 0\n"
+    t, message = sinew.tets.load(write("bad.mesh", bad))
     check(t == nil and message:find("bad.mesh:", 1, true), message)
     local ok
     ok, message = cube:save(dir .. "/no/a.vtu")

@@ -205,6 +205,14 @@ static void sorting(void **state)
     sn_sort(v, 1000, sizeof *v, int_less);
     for (int i = 1; i < 1000; i++) assert_true(v[i - 1] <= v[i]);
     sn_sort(NULL, 0, sizeof *v, int_less);
+    for (int i = 0; i < 27; i++) { /* all triples of 0, 1, 2 */
+        int32_t t[3] = {i / 9, i / 3 % 3, i % 3}, sum = t[0] + t[1] + t[2],
+                squares = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
+        sn_sort3(t);
+        assert_true(t[0] <= t[1] && t[1] <= t[2]);
+        assert_int_equal(t[0] + t[1] + t[2], sum);
+        assert_int_equal(t[0] * t[0] + t[1] * t[1] + t[2] * t[2], squares);
+    }
 }
 
 static int u64_less(const void *a, const void *b)

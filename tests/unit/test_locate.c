@@ -23,7 +23,8 @@ static double depth(const sn_tet_mesh *m, int32_t t, sn_vec3 p)
     double least = INFINITY, whole = 6.0 * sn_tet_mesh_tet_volume(m, t);
     for (int k = 0; k < 4; k++) {
         sn_vec3 c[3];
-        for (int i = 0; i < 3; i++) c[i] = sn_v3_sub(sn_tet_mesh_point(m, m->tet[4 * t + sn_tet_face[k][i]]), p);
+        for (int i = 0; i < 3; i++)
+            c[i] = sn_v3_sub(sn_tet_mesh_point(m, m->tet[4 * t + sn_tet_face[k][i]]), p);
         least = fmin(least, sn_v3_det(c[0], c[1], c[2]) / whole);
     }
     return least;
@@ -111,7 +112,8 @@ static void outside_is_nowhere(void **state)
     (void)state;
     sn_tet_mesh m = made_lattice(1, sn_v3(0, 0, 0), 1.0);
     sn_locator *l = locator_of(&m);
-    const sn_vec3 out[] = {{-1e-9, 0.5, 0.5}, {1.0 + 1e-9, 0.5, 0.5}, {2, 2, 2}, {NAN, 0.5, 0.5}, {INFINITY, 0, 0}, {0.5, 0.5, -INFINITY}};
+    const sn_vec3 out[] = {{-1e-9, 0.5, 0.5}, {1.0 + 1e-9, 0.5, 0.5}, {2, 2, 2},
+                           {NAN, 0.5, 0.5},   {INFINITY, 0, 0},       {0.5, 0.5, -INFINITY}};
     for (int i = 0; i < 6; i++) assert_int_equal(sn_locator_find(l, out[i], NULL), -1);
     sn_locator_destroy(l);
     sn_locator_destroy(NULL);
@@ -174,9 +176,9 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_points),        cmocka_unit_test(shared_points_go_to_the_lowest_tet),
-        cmocka_unit_test(outside_is_nowhere),   cmocka_unit_test(weights_of_any_point),
-        cmocka_unit_test(equal_tets),           cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(random_points),      cmocka_unit_test(shared_points_go_to_the_lowest_tet),
+        cmocka_unit_test(outside_is_nowhere), cmocka_unit_test(weights_of_any_point),
+        cmocka_unit_test(equal_tets),         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

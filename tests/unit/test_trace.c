@@ -1,4 +1,5 @@
-/* test_trace - curves cut into pieces by the tets, against clipping by every tet and against dense samples. */
+/* test_trace - curves cut into pieces by the tets, against clipping by every tet and against dense samples.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -17,27 +18,25 @@ typedef struct scene {
     double *wanted; /* n_tet: by the reference       */
 } scene;
 
-static scene scene_of(sn_tet_mesh *m) /* frees m */
+static void make_scene(scene *s, sn_tet_mesh *m) /* frees m */
 {
-    scene s = {.locator = NULL};
-    sn_body_init(&s.body);
-    assert_int_equal(sn_body_from_tets(m, SN_LABEL_SKIN, &s.body, NULL), SN_OK);
-    assert_int_equal(sn_locator_create(&s.locator, &s.body.mesh, NULL), SN_OK);
-    s.length = calloc((size_t)m->n_tet, sizeof *s.length);
-    s.wanted = calloc((size_t)m->n_tet, sizeof *s.wanted);
+    sn_body_init(&s->body);
+    assert_int_equal(sn_body_from_tets(m, SN_LABEL_SKIN, &s->body, NULL), SN_OK);
+    assert_int_equal(sn_locator_create(&s->locator, &s->body.mesh, NULL), SN_OK);
+    s->length = calloc((size_t)m->n_tet, sizeof *s->length);
+    s->wanted = calloc((size_t)m->n_tet, sizeof *s->wanted);
     sn_tet_mesh_free(m);
-    return s;
 }
 
-static scene lattice_scene(int n, double shake)
+static void make_lattice_scene(scene *s, int n, double shake)
 {
     sn_tet_mesh m = made_lattice(n, sn_v3(0, 0, 0), 1.0);
     if (shake > 0.0) shake_mesh(&m, shake);
-    return scene_of(&m);
+    make_scene(s, &m);
 }
 
 /* The lattice without the cubes whose corner has all coordinates in [lo, hi). */
-static scene hollow_scene(int n, int lo, int hi)
+static void make_hollow_scene(scene *s, int n, int lo, int hi)
 {
     sn_tet_mesh m = made_lattice(n, sn_v3(0, 0, 0), 1.0);
     int32_t kept = 0;
@@ -48,7 +47,7 @@ static scene hollow_scene(int n, int lo, int hi)
         kept += 6;
     }
     m.n_tet = kept;
-    return scene_of(&m);
+    make_scene(s, &m);
 }
 
 static void free_scene(scene *s)
@@ -118,7 +117,8 @@ static double clip_by_all(scene *s, sn_vec3 a, sn_vec3 b)
 
 static void assert_lengths(const scene *s, double tolerance)
 {
-    for (int32_t t = 0; t < s->body.mesh.n_tet; t++) assert_true(fabs(s->length[t] - s->wanted[t]) <= tolerance);
+    for (int32_t t = 0; t < s->body.mesh.n_tet; t++)
+        assert_true(fabs(s->length[t] - s->wanted[t]) <= tolerance);
 }
 
 /* ---- cubics ---- */
@@ -143,13 +143,16 @@ static void cubic_of_known_length(void **state)
 static void random_lines_as_by_clipping(void **state)
 {
     (void)state;
-    scene s = lattice_scene(6, 0.12);
+    scene s;
+    make_lattice_scene(&s, 6, 0.12);
     uint64_t h = 4;
     size_t pieces = 0;
     for (int i = 0; i < 400; i++) {
         double from = i % 2 ? 0.5 : -2.0, wide = i % 2 ? 5.0 : 10.0; /* inside; and across */
-        sn_vec3 a = {from + wide * made_random(&h), from + wide * made_random(&h), from + wide * made_random(&h)};
-        sn_vec3 b = {from + wide * made_random(&h), from + wide * made_random(&h), from + wide * made_random(&h)};
+        sn_vec3 a = {from + wide * made_random(&h), from + wide * made_random(&h),
+                     from + wide * made_random(&h)};
+        sn_vec3 b = {from + wide * made_random(&h), from + wide * made_random(&h),
+                     from + wide * made_random(&h)};
         sn_cubic c = line(a, b);
         sn_trace t = traced(&s, &c, 1);
         double inside = clip_by_all(&s, a, b);
@@ -170,7 +173,8 @@ static void random_lines_as_by_clipping(void **state)
 static void lines_through_a_convex_body(void **state)
 {
     (void)state;
-    scene s = lattice_scene(5, 0.0);
+    scene s;
+    make_lattice_scene(&s, 5, 0.0);
     uint64_t h = 6;
     for (int i = 0; i < 300; i++) {
         sn_vec3 a = {9 * made_random(&h) - 2, 9 * made_random(&h) - 2, -1 - made_random(&h)};
@@ -178,7 +182,8 @@ static void lines_through_a_convex_body(void **state)
         sn_cubic c = line(a, b);
         double inside = clip_by_all(&s, a, b);
         sn_trace t = traced(&s, &c, 1);
-        if (inside > 2e-3 * sn_v3_dist(a, b)) assert_true(fabs(t.length_inside - inside) < 1e-5); /* NUDGE_OUT */
+        if (inside > 2e-3 * sn_v3_dist(a, b))
+            assert_true(fabs(t.length_inside - inside) < 1e-5); /* NUDGE_OUT */
         if (inside > 2e-3 * sn_v3_dist(a, b)) assert_lengths(&s, 1e-5);
         if (inside == 0.0) assert_true(t.n_piece == 0 && fabs(t.length_outside - sn_v3_dist(a, b)) < 1e-9);
         sn_trace_free(&t);
@@ -186,19 +191,28 @@ static void lines_through_a_convex_body(void **state)
     free_scene(&s);
 }
 
-/* Axis-aligned and diagonal lines of a Kuhn lattice run along edges and faces and through vertices, exactly. */
+/* Axis-aligned and diagonal lines of a Kuhn lattice run along edges and faces and through vertices, exactly.
+ */
 static void lines_along_edges_and_faces(void **state)
 {
     (void)state;
-    scene s = lattice_scene(4, 0.0);
+    scene s;
+    make_lattice_scene(&s, 4, 0.0);
     const sn_vec3 ends[][2] = {
-        {{0, 2, 2}, {4, 2, 2}},       {{2, 0, 2}, {2, 4, 2}},         {{2, 2, 0}, {2, 2, 4}},         /* along edges      */
-        {{4, 1, 2}, {0, 1, 2}},       {{0, 0, 0}, {4, 4, 4}},         {{4, 4, 4}, {0, 0, 0}},         /* the diagonal     */
-        {{0, 0, 2}, {4, 4, 2}},       {{2, 0, 0}, {2, 4, 4}},         {{0, 2, 0}, {4, 2, 4}},         /* face diagonals   */
-        {{0, 4, 2}, {4, 0, 2}},       {{0, 4, 0}, {4, 0, 4}},         {{0, 1.5, 2}, {4, 1.5, 2}},     /* across them      */
-        {{0.5, 2.5, 2}, {3, 2.5, 2}}, {{1, 1, 1}, {3, 3, 3}},         {{0, 0.5, 0.5}, {4, 0.5, 0.5}}, /* in faces y = z   */
-        {{1, 2, 2}, {1.25, 2, 2}},    {{0.25, 0.25, 2}, {3, 3, 2}},   {{2, 2, 2}, {3.7, 3.7, 3.7}},   /* pieces of edges  */
-        {{0, 2, 2}, {4, 2, 2.5}},     {{1, 1, 1}, {2.3, 3.1, 1.9}},   {{2, 2, 2}, {4, 3, 2}},         /* from a vertex    */
+        {{0, 2, 2}, {4, 2, 2}},         {{2, 0, 2}, {2, 4, 2}},
+        {{2, 2, 0}, {2, 2, 4}}, /* along edges      */
+        {{4, 1, 2}, {0, 1, 2}},         {{0, 0, 0}, {4, 4, 4}},
+        {{4, 4, 4}, {0, 0, 0}}, /* the diagonal     */
+        {{0, 0, 2}, {4, 4, 2}},         {{2, 0, 0}, {2, 4, 4}},
+        {{0, 2, 0}, {4, 2, 4}}, /* face diagonals   */
+        {{0, 4, 2}, {4, 0, 2}},         {{0, 4, 0}, {4, 0, 4}},
+        {{0, 1.5, 2}, {4, 1.5, 2}}, /* across them      */
+        {{0.5, 2.5, 2}, {3, 2.5, 2}},   {{1, 1, 1}, {3, 3, 3}},
+        {{0, 0.5, 0.5}, {4, 0.5, 0.5}}, /* in faces y = z   */
+        {{1, 2, 2}, {1.25, 2, 2}},      {{0.25, 0.25, 2}, {3, 3, 2}},
+        {{2, 2, 2}, {3.7, 3.7, 3.7}}, /* pieces of edges  */
+        {{0, 2, 2}, {4, 2, 2.5}},       {{1, 1, 1}, {2.3, 3.1, 1.9}},
+        {{2, 2, 2}, {4, 3, 2}}, /* from a vertex    */
     };
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         sn_cubic c = line(ends[i][0], ends[i][1]);
@@ -217,9 +231,11 @@ static void lines_along_edges_and_faces(void **state)
 static void lines_along_the_hull_end(void **state)
 {
     (void)state;
-    scene s = lattice_scene(4, 0.0);
-    const sn_vec3 ends[][2] = {{{0, 0, 0}, {4, 0, 0}}, {{0, 1, 0}, {4, 1, 0}}, {{0, 0, 4}, {4, 4, 4}},
-                               {{4, 0.3, 0}, {4, 3.1, 4}}, {{-1, 0, 0}, {5, 0, 0}}, {{0, -1, 2.5}, {0, 5, 2.5}}};
+    scene s;
+    make_lattice_scene(&s, 4, 0.0);
+    const sn_vec3 ends[][2] = {{{0, 0, 0}, {4, 0, 0}},  {{0, 1, 0}, {4, 1, 0}},
+                               {{0, 0, 4}, {4, 4, 4}},  {{4, 0.3, 0}, {4, 3.1, 4}},
+                               {{-1, 0, 0}, {5, 0, 0}}, {{0, -1, 2.5}, {0, 5, 2.5}}};
     double start = sn_clock();
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         sn_cubic c = line(ends[i][0], ends[i][1]);
@@ -234,17 +250,20 @@ static void lines_along_the_hull_end(void **state)
 static void line_leaves_through_a_hole_and_comes_back(void **state)
 {
     (void)state;
-    scene s = hollow_scene(6, 2, 4);
+    scene s;
+    make_hollow_scene(&s, 6, 2, 4);
     sn_cubic c = line(sn_v3(0.3, 3.2, 2.7), sn_v3(5.6, 3.1, 2.9));
     sn_trace t = traced(&s, &c, 1);
     double inside = clip_by_all(&s, sn_v3(0.3, 3.2, 2.7), sn_v3(5.6, 3.1, 2.9));
     assert_true(fabs(t.length_inside - inside) < 1e-4);
-    assert_true(fabs(t.length_outside - 2.0 * sn_v3_dist(sn_v3(0, 3.2, 2.7), sn_v3(5.3, 3.1, 2.9)) / 5.3) < 1e-4);
+    assert_true(fabs(t.length_outside - 2.0 * sn_v3_dist(sn_v3(0, 3.2, 2.7), sn_v3(5.3, 3.1, 2.9)) / 5.3) <
+                1e-4);
     assert_lengths(&s, 1e-4);
     sn_trace_free(&t);
     uint64_t h = 12;
     for (int i = 0; i < 200; i++) {
-        sn_vec3 a = {6 * made_random(&h), 6 * made_random(&h), 0.01}, b = {6 * made_random(&h), 6 * made_random(&h), 5.99};
+        sn_vec3 a = {6 * made_random(&h), 6 * made_random(&h), 0.01},
+                b = {6 * made_random(&h), 6 * made_random(&h), 5.99};
         c = line(a, b);
         t = traced(&s, &c, 1);
         inside = clip_by_all(&s, a, b);
@@ -275,11 +294,13 @@ static double sample_all(scene *s, const sn_cubic *curve, int32_t n_seg, int n)
 static void random_curves_as_by_samples(void **state)
 {
     (void)state;
-    scene s = hollow_scene(6, 2, 4);
+    scene s;
+    make_hollow_scene(&s, 6, 2, 4);
     uint64_t h = 77;
     for (int i = 0; i < 40; i++) {
         sn_vec3 p[4]; /* Bezier points: a curve that turns, leaves and comes back */
-        for (int k = 0; k < 4; k++) p[k] = sn_v3(10 * made_random(&h) - 2, 10 * made_random(&h) - 2, 10 * made_random(&h) - 2);
+        for (int k = 0; k < 4; k++)
+            p[k] = sn_v3(10 * made_random(&h) - 2, 10 * made_random(&h) - 2, 10 * made_random(&h) - 2);
         sn_cubic c = {{p[0], sn_v3_scale(3, sn_v3_sub(p[1], p[0])),
                        sn_v3_scale(3, sn_v3_add(sn_v3_sub(p[0], sn_v3_scale(2, p[1])), p[2])),
                        sn_v3_add(sn_v3_sub(p[3], p[0]), sn_v3_scale(3, sn_v3_sub(p[1], p[2])))}};
@@ -296,14 +317,16 @@ static void random_curves_as_by_samples(void **state)
 static void loops(void **state)
 {
     (void)state;
-    scene s = lattice_scene(6, 0.0);
+    scene s;
+    make_lattice_scene(&s, 6, 0.0);
     sn_cubic c[8];
     for (int i = 0; i < 8; i++) {
         double t0 = 0.5 * TEST_PI * i, k = 0.5522847498; /* Bezier's quarter circle */
         sn_vec3 a = {3 + 2 * cos(t0), 3 + 2 * sin(t0), 3}, ta = {-2 * sin(t0), 2 * cos(t0), 0};
         sn_vec3 b = {3 - 2 * sin(t0), 3 + 2 * cos(t0), 3}, tb = {-2 * cos(t0), -2 * sin(t0), 0};
         sn_vec3 p1 = sn_v3_mad(a, k, ta), p2 = sn_v3_mad(b, -k, tb);
-        c[i] = (sn_cubic){{a, sn_v3_scale(3, sn_v3_sub(p1, a)), sn_v3_scale(3, sn_v3_add(sn_v3_sub(a, sn_v3_scale(2, p1)), p2)),
+        c[i] = (sn_cubic){{a, sn_v3_scale(3, sn_v3_sub(p1, a)),
+                           sn_v3_scale(3, sn_v3_add(sn_v3_sub(a, sn_v3_scale(2, p1)), p2)),
                            sn_v3_add(sn_v3_sub(b, a), sn_v3_scale(3, sn_v3_sub(p1, p2)))}};
     }
     sn_trace t = traced(&s, c, 8);
@@ -319,13 +342,23 @@ static void loops(void **state)
 static void knots_inside_a_tet_give_one_piece(void **state)
 {
     (void)state;
-    scene s = lattice_scene(1, 0.0);
+    scene s;
+    make_lattice_scene(&s, 1, 0.0);
     sn_cubic c[10]; /* in tet 0, x > y > z */
-    for (int i = 0; i < 10; i++) c[i] = line(sn_v3(0.5 + 0.02 * i, 0.3, 0.1), sn_v3(0.52 + 0.02 * i, 0.3, 0.1));
+    for (int i = 0; i < 10; i++)
+        c[i] = line(sn_v3(0.5 + 0.02 * i, 0.3, 0.1), sn_v3(0.52 + 0.02 * i, 0.3, 0.1));
     sn_trace t = traced(&s, c, 10);
     assert_int_equal(t.n_piece, 1);
     assert_int_equal(t.piece[0].tet, 0);
     assert_true(fabs(t.piece[0].length - 0.2) < 1e-12);
+    sn_trace_free(&t);
+    c[4] =
+        line(sn_v3(0.58, 0.3, 0.1), sn_v3(0.65, 0.3, 0.1)); /* the longest part holds the collocation point */
+    c[5] = line(sn_v3(0.65, 0.3, 0.1), sn_v3(0.7, 0.31, 0.12));
+    t = traced(&s, c, 6);
+    assert_int_equal(t.n_piece, 1);
+    assert_int_equal(t.piece[0].i_seg, 4);
+    assert_true(t.piece[0].s == 0.5);
     sn_trace_free(&t);
     free_scene(&s);
 }
@@ -333,7 +366,8 @@ static void knots_inside_a_tet_give_one_piece(void **state)
 static void curves_that_are_not_there(void **state)
 {
     (void)state;
-    scene s = lattice_scene(2, 0.0);
+    scene s;
+    make_lattice_scene(&s, 2, 0.0);
     sn_cubic away = line(sn_v3(5, 5, 5), sn_v3(6, 7, 7));
     sn_trace t = traced(&s, &away, 1);
     assert_int_equal(t.n_piece, 0);
@@ -363,8 +397,10 @@ static void unit_of_length_does_not_matter(void **state)
         sn_tet_mesh m = made_lattice(5, sn_v3(0, 0, 0), 1.0);
         shake_mesh(&m, 0.1);
         for (size_t k = 0; k < 3 * (size_t)m.n_vert; k++) m.pos[k] *= scale[i];
-        scene s = scene_of(&m);
-        sn_cubic c = line(sn_v3_scale(scale[i], sn_v3(-1, 1.3, 2.2)), sn_v3_scale(scale[i], sn_v3(4.2, 3.9, 2.8)));
+        scene s;
+        make_scene(&s, &m);
+        sn_cubic c =
+            line(sn_v3_scale(scale[i], sn_v3(-1, 1.3, 2.2)), sn_v3_scale(scale[i], sn_v3(4.2, 3.9, 2.8)));
         sn_trace t = {0};
         assert_int_equal(sn_trace_curve(&s.body, s.locator, &c, 1, &t, NULL), SN_OK);
         n_piece[i] = t.n_piece;
@@ -379,7 +415,8 @@ static void unit_of_length_does_not_matter(void **state)
 static void every_allocation_may_fail(void **state)
 {
     (void)state;
-    scene s = lattice_scene(4, 0.1);
+    scene s;
+    make_lattice_scene(&s, 4, 0.1);
     sn_cubic c = line(sn_v3(0.2, 0.3, 0.4), sn_v3(3.7, 3.6, 3.8));
     sn_status st = SN_ENOMEM;
     for (int n = 0; st; n++) {
