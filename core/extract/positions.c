@@ -1,5 +1,5 @@
-/* Where the corners go. The combinatorics is settled; here a corner moves a little within its edge, face or tet so that
- * every tet keeps a positive volume in doubles. */
+/* Where the corners go. The combinatorics is settled; here a corner moves a little within its edge, face or
+ * tet so that every tet keeps a positive volume in doubles. */
 #include "extract/extract_private.h"
 
 #include "base/alloc.h"
@@ -7,12 +7,14 @@
 #include <math.h>
 #include <string.h>
 
-#define FLAT_REL 1e-13    /* of the source tet's volume: flatter tets are mended                        */
-#define SWEEPS 40           /* at the last try                                                         */
-#define FIRST_SWEEPS 5      /* at the others                                                           */
-#define WIDEN_AFTER 2     /* sweeps; then the corners around a flat tet move as well                    */
-#define MIN_RATIO 0.25    /* of the raises of two neighbouring tissues, see set_raise                   */
-#define CLOSEST_REL 0.05  /* of the margin: as close to the border as mending may put a corner          */
+#define FLAT_REL 2e-14 /* of size of coordinates x longest edge^2: some hundred roundings of a corner  */
+#define SWEEPS 40      /* at the last try                                                         */
+#define FIRST_SWEEPS 5 /* at the others                                                           */
+#define BACK_SWEEPS 8  /* that only undo, see step_back                                           */
+#define STEP_BACK 0.03
+#define WIDEN_AFTER 2    /* sweeps; then the corners around a flat tet move as well                    */
+#define MIN_RATIO 0.25   /* of the raises of two neighbouring tissues, see set_raise                   */
+#define CLOSEST_REL 0.05 /* of the margin: as close to the border as mending may put a corner          */
 
 typedef struct placer {
     sn_extraction *x;
@@ -21,8 +23,10 @@ typedef struct placer {
     const xt_cuts *cuts;
     const xt_cells *cells;
     double margin;
-    int32_t *raise;      /* per tissue: added to its values where corners are placed, see set_raise  */
-    double *weight;      /* per corner beyond the vertices: 4 weights on the vertices of its simplex */
+    double coordinate; /* the largest, absolute */
+    int32_t *raise;    /* per tissue: added to its values where corners are placed, see set_raise  */
+    double *exact;     /* as weight: where the ties are, before anything was moved                 */
+    double *weight;    /* per corner beyond the vertices: 4 weights on the vertices of its simplex */
     int32_t first_face, first_inner, n_point;
 } placer;
 
@@ -61,6 +65,11 @@ static int simplex_of(const placer *p, int32_t id, int32_t v[4])
 static double *weight_of(placer *p, int32_t id)
 {
     return p->weight + 4 * (size_t)(id - p->m->n_vert);
+}
+
+static double *exact_of(placer *p, int32_t id)
+{
+    return p->exact + 4 * (size_t)(id - p->m->n_vert);
 }
 
 static sn_vec3 blend(const placer *p, const int32_t *v, const double *w, int n)
@@ -102,7 +111,8 @@ static void place_edge(placer *p, int32_t e)
     double gap = fmin(p->margin, 0.5 / (n + 1)), low = 0.0;
     for (int32_t i = 0; i < n; i++) {
         const int32_t *tie = p->cuts->edge_tie[first + i];
-        double a = fmax(0.0, (double)diff(p, fu, tie[0], tie[1])), b = fmax(0.0, (double)diff(p, fv, tie[1], tie[0]));
+        double a = fmax(0.0, (double)diff(p, fu, tie[0], tie[1])),
+               b = fmax(0.0, (double)diff(p, fv, tie[1], tie[0]));
         double s = a + b > 0.0 ? a / (a + b) : 0.5, want[4] = {1.0 - s, s, 0, 0};
         double kept = fmin(fmax(s, low + gap), 1.0 - gap * (n - i));
         double *w = weight_of(p, p->m->n_vert + first + i);
@@ -110,6 +120,7 @@ static void place_edge(placer *p, int32_t e)
         w[1] = kept;
         w[2] = w[3] = 0.0;
         low = kept;
+        memcpy(exact_of(p, p->m->n_vert + first + i), want, sizeof want);
         note_move(p, p->m->n_vert + first + i, want, w);
     }
 }
@@ -125,6 +136,7 @@ static void settle(placer *p, int32_t id, const double *raw, int n)
         w[k] = fmax(want[k], p->margin);
         after += w[k];
     }
+    memcpy(exact_of(p, id), want, sizeof want);
     if (after == 1.0) return;
     for (int k = 0; k < n; k++) w[k] /= after;
     for (int k = 0; k < n; k++)
@@ -171,10 +183,12 @@ static void place_inner_point(placer *p, int32_t i)
 
 static void place_first(placer *p)
 {
-    for (int32_t v = 0; v < p->m->n_vert; v++) memcpy(p->x->mesh.pos + 3 * (size_t)v, p->m->pos + 3 * (size_t)v, 3 * sizeof(double));
+    for (int32_t v = 0; v < p->m->n_vert; v++)
+        memcpy(p->x->mesh.pos + 3 * (size_t)v, p->m->pos + 3 * (size_t)v, 3 * sizeof(double));
     for (int32_t e = 0; e < p->cuts->n_edge; e++) place_edge(p, e);
     for (int32_t f = 0; f < p->cuts->n_face; f++)
-        for (int32_t i = p->cuts->face_first[f]; i < p->cuts->face_first[f + 1]; i++) place_face_point(p, f, i);
+        for (int32_t i = p->cuts->face_first[f]; i < p->cuts->face_first[f + 1]; i++)
+            place_face_point(p, f, i);
     for (int32_t i = 0; i < (int32_t)p->cells->n_inner; i++) place_inner_point(p, i);
     for (int32_t id = p->m->n_vert; id < p->n_point; id++) put(p, id);
 }
@@ -223,6 +237,20 @@ static bool build_stars(const placer *p, stars *s)
     return true;
 }
 
+/* Whether rounding the corners to doubles could be what makes the volume positive. */
+static bool is_flat(const placer *p, int32_t t)
+{
+    const sn_tet_mesh *o = &p->x->mesh;
+    double longest2 = 0.0;
+    for (int e = 0; e < 6; e++) {
+        const int32_t *v = o->tet + 4 * (size_t)t;
+        sn_vec3 a = sn_tet_mesh_point(o, v[sn_tet_edge[e][0]]),
+                b = sn_tet_mesh_point(o, v[sn_tet_edge[e][1]]);
+        longest2 = fmax(longest2, sn_v3_len2(sn_v3_sub(b, a)));
+    }
+    return 6.0 * sn_tet_mesh_tet_volume(o, t) <= FLAT_REL * p->coordinate * longest2;
+}
+
 /* Marks the movable corners of flat tets; returns how many tets are flat. */
 static int32_t mark_flat(const placer *p, int32_t *mark)
 {
@@ -230,10 +258,11 @@ static int32_t mark_flat(const placer *p, int32_t *mark)
     int32_t n = 0;
     memset(mark, 0, (size_t)p->n_point * sizeof *mark);
     for (int32_t t = 0; t < o->n_tet; t++) {
-        if (relative_volume(p, t) > FLAT_REL) continue;
+        if (!is_flat(p, t)) continue;
         n++;
         for (int k = 0; k < 4; k++)
-            if (o->tet[4 * (size_t)t + (size_t)k] >= p->m->n_vert) mark[o->tet[4 * (size_t)t + (size_t)k]] = 1;
+            if (o->tet[4 * (size_t)t + (size_t)k] >= p->m->n_vert)
+                mark[o->tet[4 * (size_t)t + (size_t)k]] = 1;
     }
     return n;
 }
@@ -250,15 +279,15 @@ static void widen(const placer *p, int32_t *mark)
     }
 }
 
-/* Per dimension of the search for the best place of a corner on an edge, in a face, in a tet: it need not be the very
- * best, so the costlier searches are coarser. */
+/* Per dimension of the search for the best place of a corner on an edge, in a face, in a tet: it need not be
+ * the very best, so the costlier searches are coarser. */
 static const int search_steps[5] = {0, 0, 40, 20, 8};
 
-typedef struct search {  /* the volumes around one corner are linear in its weights */
-    double (*form)[4];   /* n: relative volume = form . weights */
+typedef struct search { /* the volumes around one corner are linear in its weights */
+    double (*form)[4];  /* n: relative volume = form . weights */
     int32_t n;
     int n_weight;
-    double least;        /* smallest weight allowed */
+    double least; /* smallest weight allowed */
     double best_w[4], best;
 } search;
 
@@ -273,7 +302,8 @@ static double flattest(const search *s, const double *w)
     return low;
 }
 
-/* The smallest volume with the first k weights given, the best over the others: concave, so a ternary search nests. */
+/* The smallest volume with the first k weights given, the best over the others: concave, so a ternary search
+ * nests. */
 static double best_over(search *s, double w[4], int k, double left)
 {
     if (k == s->n_weight - 1) {
@@ -339,7 +369,20 @@ static bool mend_corner(placer *p, const stars *s, int32_t rank)
     return true;
 }
 
-static sn_status mend(placer *p, int sweeps, const sn_run *run, sn_error *err)
+/* Where keeping off the border turned a tet, corners go back towards their exact places: always inside their
+ * simplex, and in the same order on an edge. */
+static void step_back(placer *p, const stars *s)
+{
+    for (int32_t i = 0; i < s->n; i++) {
+        double *w = weight_of(p, s->id[i]), *e = exact_of(p, s->id[i]);
+        for (int k = 0; k < 4; k++) w[k] = e[k] + STEP_BACK * (w[k] - e[k]);
+        put(p, s->id[i]);
+    }
+}
+
+/* Sweeps over the corners of flat tets until there are none: back towards the exact places, or to the best
+ * ones. */
+static sn_status mend(placer *p, bool back, int sweeps, const sn_run *run, sn_error *err)
 {
     sn_status st = SN_OK;
     for (int sweep = 0; !st; sweep++) {
@@ -354,34 +397,42 @@ static sn_status mend(placer *p, int sweeps, const sn_run *run, sn_error *err)
         if (sweep == sweeps) st = sn_fail(err, SN_EINTERNAL, "extract: %d tets stayed flat", n_flat);
         if (!st && !build_stars(p, &s)) st = sn_fail(err, SN_ENOMEM, "extract: no memory");
         if (!st) st = sn_run_step(run, "mending flat tets", (double)sweep / sweeps, err);
-        for (int32_t i = 0; i < s.n && !st; i++)
+        if (!st && back) step_back(p, &s);
+        for (int32_t i = 0; i < s.n && !st && !back; i++)
             if (!mend_corner(p, &s, i)) st = sn_fail(err, SN_ENOMEM, "extract: no memory");
         free_stars(&s);
     }
     return st;
 }
 
-/* Where many tissues tie exactly (values from a short list, say), all first places coincide and mending starts from
- * nothing. The signs were taken as if tissue i were raised by d_0 >> d_1 >> ... > 0; raising the values by real steps of
- * that kind, small against the range, spreads the places in the way that the combinatorics means. */
+/* Where many tissues tie exactly (values from a short list, say), all first places coincide and mending
+ * starts from nothing. The signs were taken as if tissue i were raised by d_0 >> d_1 >> ... > 0; raising the
+ * values by real steps of that kind, small against the range, spreads the places in the way that the
+ * combinatorics means. */
 static void set_raise(placer *p, int32_t largest)
 {
     double ratio = fmax(MIN_RATIO, pow(1e-3, 1.0 / p->g->n_tissue)), step = largest;
     for (int32_t i = 0; i < p->g->n_tissue; i++, step *= ratio) p->raise[i] = (int32_t)step;
 }
 
+/* First the cheap cure, which changes least, then the search. */
 static sn_status place_with_raise(placer *p, int32_t largest, int sweeps, const sn_run *run, sn_error *err)
 {
-    p->x->n_moved = 0;
-    p->x->largest_move = 0.0;
+    sn_status st = SN_EINTERNAL;
     set_raise(p, largest);
-    place_first(p);
-    return mend(p, sweeps, run, err);
+    for (int back = 1; back >= 0 && st == SN_EINTERNAL; back--) {
+        p->x->n_moved = 0;
+        p->x->largest_move = 0.0;
+        place_first(p);
+        st = mend(p, back, back ? BACK_SWEEPS : sweeps, run, err);
+    }
+    return st;
 }
 
 /* ---- the envelope ---- */
 
-static double value_in(const placer *p, const double *value, int32_t tissue, const int32_t *v, const double *w, int n)
+static double value_in(const placer *p, const double *value, int32_t tissue, const int32_t *v,
+                       const double *w, int n)
 {
     const double *f = value + (size_t)tissue * (size_t)p->m->n_vert;
     double sum = 0.0;
@@ -406,22 +457,27 @@ static void fill_envelope(placer *p, const double *value)
     }
 }
 
-sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, const xt_cuts *cuts, const xt_cells *cells,
-                   const double *value, double margin, const sn_run *run, sn_error *err)
+sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, const xt_cuts *cuts,
+                   const xt_cells *cells, const double *value, double margin, const sn_run *run,
+                   sn_error *err)
 {
     static const int32_t raises[] = {0, 1 << 14, 1 << 17, 1 << 20, 1 << 23}; /* of a range of 2^28 */
     placer p = {.x = out, .m = m, .g = g, .cuts = cuts, .cells = cells, .margin = margin};
     p.first_face = m->n_vert + cuts->n_edge_point;
     p.first_inner = p.first_face + cuts->n_face_point;
     p.n_point = out->mesh.n_vert;
+    for (size_t k = 0; k < 3 * (size_t)m->n_vert; k++) p.coordinate = fmax(p.coordinate, fabs(m->pos[k]));
     p.weight = SN_NEW(double, 4 * (size_t)(p.n_point - m->n_vert));
+    p.exact = SN_NEW(double, 4 * (size_t)(p.n_point - m->n_vert));
     p.raise = SN_NEW(int32_t, g->n_tissue);
-    sn_status st = p.weight && p.raise ? SN_EINTERNAL : sn_fail(err, SN_ENOMEM, "extract: no memory");
+    sn_status st =
+        p.weight && p.exact && p.raise ? SN_EINTERNAL : sn_fail(err, SN_ENOMEM, "extract: no memory");
     size_t last = sizeof raises / sizeof *raises - 1;
     for (size_t i = 0; st == SN_EINTERNAL && i <= last; i++)
         st = place_with_raise(&p, raises[i], i < last ? FIRST_SWEEPS : SWEEPS, run, err);
     if (!st) fill_envelope(&p, value);
     sn_release(p.weight);
+    sn_release(p.exact);
     sn_release(p.raise);
     return st;
 }

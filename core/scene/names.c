@@ -7,33 +7,39 @@
 
 #define MAX_NAME 64
 
-/* Levenshtein distance, bounded by the length of names. */
+/* Edits between two names: insert, delete, replace, swap two neighbours (optimal string alignment). */
 static size_t distance(const char *a, const char *b)
 {
-    size_t row[MAX_NAME + 1], n = strlen(b);
-    if (n > MAX_NAME || strlen(a) > MAX_NAME) return MAX_NAME;
-    for (size_t j = 0; j <= n; j++) row[j] = j;
+    size_t row[3][MAX_NAME + 1], n = strlen(b);
+    if (n > MAX_NAME || strlen(a) > MAX_NAME) return SIZE_MAX;
+    size_t *before = row[0], *last = row[1], *now = row[2];
+    for (size_t j = 0; j <= n; j++) last[j] = j;
     for (size_t i = 0; a[i]; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
+        now[0] = i + 1;
         for (size_t j = 0; j < n; j++) {
-            size_t best = diagonal + (a[i] != b[j]);
-            diagonal = row[j + 1];
-            if (row[j + 1] + 1 < best) best = row[j + 1] + 1;
-            if (row[j] + 1 < best) best = row[j] + 1;
-            row[j + 1] = best;
+            size_t best = last[j] + (a[i] != b[j]);
+            if (last[j + 1] + 1 < best) best = last[j + 1] + 1;
+            if (now[j] + 1 < best) best = now[j] + 1;
+            if (i > 0 && j > 0 && a[i] == b[j - 1] && a[i - 1] == b[j] && before[j - 1] + 1 < best)
+                best = before[j - 1] + 1;
+            now[j + 1] = best;
         }
+        size_t *spare = before;
+        before = last;
+        last = now;
+        now = spare;
     }
-    return row[n];
+    return last[n];
 }
 
 const char *sn_nearest_name(const char *word, const char *const *name, size_t n)
 {
     const char *best = NULL;
-    size_t least = strlen(word) / 2 + 2; /* farther away is no suggestion */
+    size_t least =
+        strlen(word) / 4 + 2; /* one edit in four letters and one more: farther away is no suggestion */
     for (size_t i = 0; i < n; i++) {
         size_t d = distance(word, name[i]);
-        if (d < least) {
+        if (d < least && d < strlen(word)) {
             least = d;
             best = name[i];
         }

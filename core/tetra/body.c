@@ -196,23 +196,42 @@ static void measure_shape(const sn_tet_mesh *m, sn_body_report *r)
     r->share_below_10_deg = m->n_tet ? (double)below / m->n_tet : 0.0;
 }
 
+/* Boundary and tets. Bones a rounding error apart cross nothing, yet TetGen stops or crashes at them: sampling closes
+ * such gaps. */
+static sn_status mesh_between(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone, bool exact,
+                              const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
+                              sn_notes *notes, sn_error *err)
+{
+    sn_tri_mesh surface;
+    sn_error why;
+    sn_tri_mesh_init(&surface);
+    double start = sn_clock();
+    sn_status st = sn_body_surface(skin, bone, n_bone, exact, opt, run, &surface, report, notes, &why);
+    report->seconds_surface = sn_clock() - start;
+    if (!st) st = sn_body_tets(&surface, opt, run, out, report, &why);
+    if (st == SN_EMESH && surface.n_face > 0 && !report->was_resampled) {
+        sn_notes_add(notes, "%s: the surfaces are resampled", why.msg);
+        start = sn_clock();
+        st = sn_body_surface(skin, bone, n_bone, false, opt, run, &surface, report, notes, &why);
+        report->seconds_surface += sn_clock() - start;
+        if (!st) st = sn_body_tets(&surface, opt, run, out, report, &why);
+    }
+    if (st && err) *err = why;
+    sn_tri_mesh_free(&surface);
+    return st;
+}
+
 static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone, sn_tri_mesh *clean,
                        const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
                        sn_notes *notes, sn_error *err)
 {
-    sn_tri_mesh surface;
-    sn_tri_mesh_init(&surface);
     sn_bvh *bvh = NULL;
     const sn_tri_mesh **ptr = SN_NEW(const sn_tri_mesh *, n_bone);
     bool exact = true;
-    double start = sn_clock();
     sn_status st = ptr ? sn_bvh_create(&bvh, skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
     if (!st) st = prepare_bones(bvh, bone, n_bone, run, clean, &exact, notes, err);
     for (int32_t i = 0; !st && i < n_bone; i++) ptr[i] = &clean[i];
-    if (!st) st = sn_body_surface(skin, ptr, n_bone, exact, opt, run, &surface, report, notes, err);
-    report->seconds_surface = sn_clock() - start;
-    if (!st) st = sn_body_tets(&surface, opt, run, out, report, err);
-    sn_tri_mesh_free(&surface);
+    if (!st) st = mesh_between(skin, ptr, n_bone, exact, opt, run, out, report, notes, err);
     sn_bvh_destroy(bvh);
     sn_release(ptr);
     return st;

@@ -2,15 +2,15 @@
 --
 --     sinew scripts/examples/arm.lua
 --     sinew -D size=0.011 -D out=/tmp scripts/examples/arm.lua          coarser and faster, into another folder
---     sinew -D flexion=20 -D rotation=20 scripts/examples/arm.lua       another pose
+--     sinew -D flexion=45 scripts/examples/arm.lua                      another pose
 --
 -- Writes into the folder `out`, which must be there: arm.png, arm_section.png, arm_across.png (pictures), arm.vtu and
 -- arm.mesh (all tissues as tets that fit each other), arm_muscles (a folder: one OBJ for each tissue) and arm.txt (the
--- volumes, printed too). It is a left arm. Metres; x to the subject's left, y up, z to the front; the shoulder joint is
--- at the origin.
+-- volumes, printed too). It is a left arm. Metres; x to the subject's left, y up, z to the front; the shoulder joint
+-- is at the origin.
 
 out = out or "out"                -- where the files go
-size = size or 0.0095             -- edge length of the mesh on the skin: smaller is finer and slower
+size = size or 0.010              -- edge length of the mesh on the skin: smaller is finer and slower
 fat = fat or 0.10                 -- value of fat on the skin: larger makes a thicker layer under the skin
 abduction = abduction or 68       -- degrees from the hanging to the raised upper arm
 rotation = rotation or 60         -- degrees by which the upper arm is turned outwards
@@ -66,14 +66,18 @@ local digits = {
 
 local trunk = shape.subtract(shape.ellipsoid({-0.150, -0.034, -0.008}, {0.118, 0.142, 0.100}),
                              shape.box({-0.350, 0, 0}, {0.200, 0.400, 0.400}))
-local shoulder = chain({vec3(-0.110, 0.018, -0.006), 0.050}, {vec3(-0.020, 0.008, -0.002), 0.056}, {arm(0.070, 0.003, 0.012), 0.047})
+local shoulder = chain({vec3(-0.110, 0.018, -0.006), 0.050}, {vec3(-0.020, 0.008, -0.002), 0.056},
+                       {arm(0.070, 0.003, 0.012), 0.047})
 local upper_arm = shape.smooth_union(0.03,
   chain({arm(0.020, 0, 0), 0.050}, {arm(0.130, 0, 0), 0.040}, {arm(0.270, 0, 0), 0.034}),
-  chain({arm(0.115, 0.014, 0), 0.030}, {arm(0.170, 0.032, 0), 0.034}, {arm(0.195, 0.027, 0), 0.033}, {arm(0.250, 0.010, 0), 0.026}), -- biceps
-  chain({arm(0.090, -0.019, -0.004), 0.034}, {arm(0.160, -0.020, 0), 0.032}, {arm(0.260, -0.010, 0), 0.025}),  -- triceps
-  chain({arm(0.286, -0.004, -0.024), 0.022}, {arm(0.286, -0.004, 0.024), 0.022}))                              -- condyles
+  chain({arm(0.115, 0.014, 0), 0.030}, {arm(0.170, 0.032, 0), 0.034}, {arm(0.195, 0.027, 0), 0.033},
+        {arm(0.250, 0.010, 0), 0.026}),                                                       -- biceps
+  chain({arm(0.090, -0.019, -0.004), 0.034}, {arm(0.160, -0.020, 0), 0.032},
+        {arm(0.260, -0.010, 0), 0.025}),                                                      -- triceps
+  chain({arm(0.286, -0.004, -0.024), 0.022}, {arm(0.286, -0.004, 0.024), 0.022}))             -- condyles
 local forearm = shape.smooth_union(0.025,
-  chain({fore(-0.010, -0.006, 0), 0.034}, {fore(0.065, 0, 0), 0.036}, {fore(0.150, 0, 0), 0.028}, {fore(0.245, 0, 0), 0.019}),
+  chain({fore(-0.010, -0.006, 0), 0.034}, {fore(0.065, 0, 0), 0.036}, {fore(0.150, 0, 0), 0.028},
+        {fore(0.245, 0, 0), 0.019}),
   chain({arm(0.245, 0.002, 0.018), 0.022}, {fore(0.050, 0.004, 0.022), 0.027}, {fore(0.240, 0, 0.011), 0.018}),
   chain({fore(0.020, 0.004, -0.020), 0.025}, {fore(0.075, 0.004, -0.016), 0.027}, {fore(0.240, 0, -0.011), 0.018}))
 local hand = {
@@ -85,7 +89,8 @@ local hand = {
 }
 for _, digit in ipairs(digits) do
   local _, knuckle, middle, tip = table.unpack(digit)
-  hand[#hand + 1] = chain({fore(table.unpack(knuckle)), 0.0115}, {fore(table.unpack(middle)), 0.0100}, {fore(table.unpack(tip)), 0.0080})
+  hand[#hand + 1] = chain({fore(table.unpack(knuckle)), 0.0115}, {fore(table.unpack(middle)), 0.0100},
+                          {fore(table.unpack(tip)), 0.0080})
 end
 local limb = shape.smooth_union(0.02, shape.smooth_union(0.05, trunk, shoulder, upper_arm), forearm)
 local skin = shape.smooth_union(0.008, limb, table.unpack(hand)):mesh{cell = 1.25 * size}
@@ -93,18 +98,20 @@ local skin = shape.smooth_union(0.008, limb, table.unpack(hand)):mesh{cell = 1.2
 -- 4  The bones, in the same way.
 
 local scapula = {
-  chain({vec3(-0.036, -0.014, -0.006), 0.0080}, {vec3(-0.036, 0.013, -0.006), 0.0080}),             -- glenoid
-  chain({vec3(-0.040, 0.000, -0.009), 0.0090}, {vec3(-0.058, -0.002, -0.020), 0.0060}),             -- neck
+  chain({vec3(-0.036, -0.014, -0.006), 0.0080}, {vec3(-0.036, 0.013, -0.006), 0.0080}),       -- glenoid
+  chain({vec3(-0.040, 0.000, -0.009), 0.0090}, {vec3(-0.058, -0.002, -0.020), 0.0060}),       -- neck
   chain({vec3(-0.042, -0.010, -0.010), 0.0060}, {vec3(-0.076, -0.075, -0.044), 0.0055},
-        {vec3(-0.098, -0.116, -0.054), 0.0060}),                                                    -- lateral border
-  chain({vec3(-0.136, 0.008, -0.060), 0.0045}, {vec3(-0.085, 0.024, -0.062), 0.0055}, {vec3(-0.030, 0.039, -0.043), 0.0065},
-        {vec3(0.008, 0.043, -0.032), 0.0075}, {vec3(0.014, 0.042, -0.014), 0.0065}),                -- spine and acromion
+        {vec3(-0.098, -0.116, -0.054), 0.0060}),                                              -- lateral border
+  chain({vec3(-0.136, 0.008, -0.060), 0.0045}, {vec3(-0.085, 0.024, -0.062), 0.0055},
+        {vec3(-0.030, 0.039, -0.043), 0.0065}, {vec3(0.008, 0.043, -0.032), 0.0075},
+        {vec3(0.014, 0.042, -0.014), 0.0065}),                                                -- spine, acromion
   chain({vec3(-0.048, 0.012, -0.010), 0.0070}, {vec3(-0.044, 0.026, 0.012), 0.0060},
-        {vec3(-0.030, 0.018, 0.030), 0.0060}),                                                      -- coracoid
+        {vec3(-0.030, 0.018, 0.030), 0.0060}),                                                -- coracoid
 }
-local rim = {vec3(-0.100, -0.114, -0.055), vec3(-0.112, -0.090, -0.059), vec3(-0.123, -0.064, -0.061), vec3(-0.132, -0.036, -0.061),
-             vec3(-0.138, -0.008, -0.059), vec3(-0.137, 0.018, -0.055), vec3(-0.126, 0.038, -0.047), vec3(-0.094, 0.028, -0.034)}
-for i, p in ipairs(rim) do                                                                          -- the blade, a fan
+local rim = {vec3(-0.100, -0.114, -0.055), vec3(-0.112, -0.090, -0.059), vec3(-0.123, -0.064, -0.061),
+             vec3(-0.132, -0.036, -0.061), vec3(-0.138, -0.008, -0.059), vec3(-0.137, 0.018, -0.055),
+             vec3(-0.126, 0.038, -0.047), vec3(-0.094, 0.028, -0.034)}
+for i, p in ipairs(rim) do                                                                    -- blade, a fan
   local q = rim[i + 1] or p
   scapula[#scapula + 1] = chain({vec3(-0.058, -0.006, -0.020), 0.0050}, {p, 0.0055}, {q, 0.0055})
   scapula[#scapula + 1] = shape.capsule({-0.070, -0.012, -0.026}, (p + q) * 0.5, 0.0045, 0.0055)
@@ -112,26 +119,28 @@ end
 
 local bones = {
   {"scapula", shape.smooth_union(0.012, scapula)},
-  {"clavicle", chain({vec3(-0.138, 0.032, 0.058), 0.0095}, {vec3(-0.122, 0.036, 0.062), 0.0075}, {vec3(-0.085, 0.041, 0.054), 0.0065},
-                     {vec3(-0.045, 0.048, 0.028), 0.0065}, {vec3(-0.012, 0.049, 0.002), 0.0070}, {vec3(0.002, 0.047, -0.010), 0.0070})},
-  {"sternum", chain({vec3(-0.136, 0.008, 0.066), 0.0095}, {vec3(-0.136, -0.110, 0.054), 0.0080})},   -- its left half
+  {"clavicle", chain({vec3(-0.138, 0.032, 0.058), 0.0095}, {vec3(-0.122, 0.036, 0.062), 0.0075},
+                     {vec3(-0.085, 0.041, 0.054), 0.0065}, {vec3(-0.045, 0.048, 0.028), 0.0065},
+                     {vec3(-0.012, 0.049, 0.002), 0.0070}, {vec3(0.002, 0.047, -0.010), 0.0070})},
+  {"sternum", chain({vec3(-0.136, 0.008, 0.066), 0.0095}, {vec3(-0.136, -0.110, 0.054), 0.0080})},  -- its left half
   {"humerus", shape.smooth_union(0.012,
-    shape.sphere({0, 0, 0}, 0.0235),                                                                -- head
+    shape.sphere({0, 0, 0}, 0.0235),                                                          -- head
     chain({arm(0.008, 0.002, 0.012), 0.0150}, {arm(0.045, 0, 0.002), 0.0140}, {arm(0.100, 0, 0), 0.0110},
-          {arm(0.200, 0, 0), 0.0100}, {arm(0.262, 0, 0), 0.0110}),                                  -- tubercle and shaft
-    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.285, 0, 0.022), 0.0085}),                              -- lateral condyle
-    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.284, -0.003, -0.028), 0.0080}),                        -- medial condyle
-    chain({arm(0.294, 0.003, -0.014), 0.0110}, {arm(0.294, 0.003, 0.018), 0.0100}))},               -- trochlea
+          {arm(0.200, 0, 0), 0.0100}, {arm(0.262, 0, 0), 0.0110}),                            -- tubercle and shaft
+    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.285, 0, 0.022), 0.0085}),                        -- lateral condyle
+    chain({arm(0.255, 0, 0), 0.0100}, {arm(0.284, -0.003, -0.028), 0.0080}),                  -- medial condyle
+    chain({arm(0.294, 0.003, -0.014), 0.0110}, {arm(0.294, 0.003, 0.018), 0.0100}))},         -- trochlea
   {"ulna", shape.smooth_union(0.010,
-    chain({fore(-0.020, -0.019, -0.008), 0.0090}, {fore(0.016, -0.015, -0.009), 0.0100}),           -- olecranon
-    chain({fore(0.016, -0.014, -0.009), 0.0095}, {fore(0.022, -0.004, -0.009), 0.0075}),            -- coronoid
-    chain({fore(0.020, -0.012, -0.009), 0.0095}, {fore(0.100, -0.006, -0.012), 0.0070}, {fore(0.232, 0, -0.014), 0.0060}),
-    shape.sphere(fore(0.234, 0, -0.014), 0.0080))},                                                 -- head
+    chain({fore(-0.020, -0.019, -0.008), 0.0090}, {fore(0.016, -0.015, -0.009), 0.0100}),     -- olecranon
+    chain({fore(0.016, -0.014, -0.009), 0.0095}, {fore(0.022, -0.004, -0.009), 0.0075}),      -- coronoid
+    chain({fore(0.020, -0.012, -0.009), 0.0095}, {fore(0.100, -0.006, -0.012), 0.0070},
+          {fore(0.232, 0, -0.014), 0.0060}),
+    shape.sphere(fore(0.234, 0, -0.014), 0.0080))},                                           -- head
   {"radius", shape.smooth_union(0.010,
-    chain({fore(0.020, 0.003, 0.015), 0.0100}, {fore(0.026, 0.003, 0.015), 0.0095}),                -- head
-    chain({fore(0.024, 0.003, 0.015), 0.0065}, {fore(0.045, 0.003, 0.012), 0.0070},                 -- neck, tuberosity
+    chain({fore(0.020, 0.003, 0.015), 0.0100}, {fore(0.026, 0.003, 0.015), 0.0095}),          -- head
+    chain({fore(0.024, 0.003, 0.015), 0.0065}, {fore(0.045, 0.003, 0.012), 0.0070},           -- neck, tuberosity
           {fore(0.120, 0, 0.018), 0.0075}, {fore(0.205, 0, 0.014), 0.0080}, {fore(0.236, 0, 0.014), 0.0100}),
-    chain({fore(0.236, 0, 0.006), 0.0090}, {fore(0.236, 0, 0.016), 0.0100}))},                      -- wrist end
+    chain({fore(0.236, 0, 0.006), 0.0090}, {fore(0.236, 0, 0.016), 0.0100}))},                -- wrist end
   {"carpus", shape.smooth_union(0.006,
     chain({fore(0.257, 0, -0.011), 0.0075}, {fore(0.257, 0, 0.012), 0.0085}),
     chain({fore(0.270, 0, -0.013), 0.0075}, {fore(0.270, 0, 0.017), 0.0080}))},
@@ -152,7 +161,7 @@ for _, bone in ipairs(bones) do
   scene:add_bone(bone[1], bone[2]:mesh{cell = 0.7 * size})
 end
 
--- 6  tetrahedralize fills the skin around the bones with tets.
+-- 6  tetrahedralize fills the skin around the bones with tets: coarse or fine as the edge lengths on both say.
 
 local mesh = scene:tetrahedralize{edge_length = size, bone_edge_length = 0.8 * size}
 print(string.format("%d tets after %.1f s", mesh.tets, sinew.time() - start))
@@ -162,66 +171,111 @@ print(string.format("%d tets after %.1f s", mesh.tets, sinew.time() - start))
 
 local belly, spindle, strap = {0.5, 1.2, 1.2, 0.5}, {0.6, 1.1, 1.2, 0.7, 0.5, 0.4}, {0.8, 1.0, 1.0, 0.8}
 local muscles = { -- name, tissue values, origin, belly, insertion
-  {"biceps_brachii", {0.3, 0.3, 1.3, 1.7, 0.9, 0.4}, {"scapula", vec3(-0.026, 0.014, 0.038)},
-   {arm(0.075, 0.027, -0.012), arm(0.145, 0.034, -0.004), arm(0.215, 0.029, 0.000), arm(0.272, 0.024, 0.004)},
-   {"radius", fore(0.044, 0.014, 0.008)}},
-  {"deltoid_anterior", {0.8, 1.5, 1.8, 1.9, 0.9}, {"clavicle", vec3(-0.040, 0.044, 0.038)},
-   {vec3(-0.008, 0.022, 0.044), arm(0.045, 0.030, 0.018), arm(0.090, 0.024, 0.016)}, {"humerus", arm(0.130, 0.012, 0.012)}},
-  {"deltoid_middle", {0.8, 1.5, 1.8, 1.7, 0.9}, {"scapula", vec3(0.024, 0.044, -0.014)},
-   {vec3(0.026, 0.036, -0.008), arm(0.045, 0.004, 0.042), arm(0.090, 0.003, 0.032)}, {"humerus", arm(0.140, 0.000, 0.018)}},
-  {"deltoid_posterior", {0.8, 1.3, 1.4, 1.1, 0.6}, {"scapula", vec3(-0.028, 0.034, -0.062)},
-   {vec3(-0.008, 0.018, -0.048), arm(0.050, -0.026, 0.026), arm(0.095, -0.019, 0.023)}, {"humerus", arm(0.132, -0.010, 0.014)}},
-  {"pectoralis_clavicular", {0.8, 1.1, 1.2, 1.0, 0.5}, {"clavicle", vec3(-0.105, 0.036, 0.070)},
-   {vec3(-0.078, 0.016, 0.062), vec3(-0.034, -0.008, 0.052), arm(0.058, 0.026, -0.004)}, {"humerus", arm(0.075, 0.016, 0.004)}},
-  {"pectoralis_sternal", {0.8, 1.0, 1.0, 0.8, 0.4}, {"sternum", vec3(-0.126, -0.050, 0.076)},
-   {vec3(-0.098, -0.048, 0.060), vec3(-0.048, -0.040, 0.046), arm(0.050, 0.024, -0.022)}, {"humerus", arm(0.066, 0.016, -0.004)}},
-  {"brachialis", {0.7, 1.1, 1.2, 0.5}, {"humerus", arm(0.150, 0.014, 0.008)},
-   {arm(0.200, 0.016, 0.014), arm(0.255, 0.020, 0.008)}, {"ulna", fore(0.032, 0.008, -0.008)}},
-  {"coracobrachialis", {0.5, 0.8, 0.8, 0.5}, {"scapula", vec3(-0.034, 0.010, 0.036)},
-   {vec3(-0.018, -0.014, 0.032), arm(0.090, 0.010, -0.024)}, {"humerus", arm(0.145, 0.005, -0.016)}},
-  {"triceps_long", {0.5, 1.3, 1.5, 0.9, 0.4}, {"scapula", vec3(-0.020, -0.032, -0.008)},
-   {arm(0.075, -0.030, -0.026), arm(0.145, -0.034, -0.014), arm(0.225, -0.025, -0.010)}, {"ulna", fore(-0.034, -0.020, -0.008)}},
-  {"triceps_lateral", {0.7, 1.3, 1.4, 0.8, 0.4}, {"humerus", arm(0.075, -0.018, 0.010)},
-   {arm(0.120, -0.026, 0.018), arm(0.175, -0.029, 0.017), arm(0.240, -0.023, 0.008)}, {"ulna", fore(-0.032, -0.020, -0.002)}},
-  {"triceps_medial", {0.6, 0.9, 0.9, 0.4}, {"humerus", arm(0.150, -0.012, -0.008)},
-   {arm(0.200, -0.017, -0.016), arm(0.250, -0.018, -0.014)}, {"ulna", fore(-0.032, -0.016, -0.014)}},
-  {"brachioradialis", {0.6, 1.2, 1.2, 0.7, 0.4}, {"humerus", arm(0.232, 0.006, 0.014)},
-   {arm(0.275, 0.018, 0.028), fore(0.050, 0.022, 0.030), fore(0.130, 0.012, 0.027)}, {"radius", fore(0.226, 0.010, 0.024)}},
-  {"flexor_carpi_radialis", spindle, {"humerus", arm(0.282, 0.014, -0.038)},
-   {fore(0.055, 0.026, -0.012), fore(0.115, 0.022, 0.000), fore(0.185, 0.016, 0.006), fore(0.235, 0.0150, 0.007)},
-   {"carpus", fore(0.256, 0.016, 0.008)}},
-  {"pronator_teres", strap, {"humerus", arm(0.278, 0.010, -0.032)},
-   {fore(0.035, 0.018, -0.012), fore(0.080, 0.017, 0.008)}, {"radius", fore(0.122, 0.012, 0.018)}},
-  {"flexor_carpi_ulnaris", {0.5, 0.8, 0.8, 0.6, 0.5, 0.4}, {"humerus", arm(0.288, 0.006, -0.044)},
-   {fore(0.055, 0.008, -0.036), fore(0.115, 0.006, -0.030), fore(0.185, 0.009, -0.022), fore(0.232, 0.0125, -0.018)},
-   {"carpus", fore(0.255, 0.014, -0.014)}},
-  {"flexor_digitorum", {0.6, 1.5, 1.5, 0.9, 0.5, 0.4}, {"ulna", fore(0.050, 0.006, -0.014)},
-   {fore(0.085, 0.014, -0.014), fore(0.150, 0.014, -0.007), fore(0.200, 0.013, -0.004), fore(0.235, 0.0135, -0.004)},
-   {"carpus", fore(0.256, 0.016, -0.004)}},
-  {"extensor_carpi_radialis", spindle, {"humerus", arm(0.282, 0.006, 0.042)},
-   {fore(0.035, 0.000, 0.036), fore(0.100, -0.008, 0.031), fore(0.185, -0.013, 0.020), fore(0.235, -0.0145, 0.013)},
-   {"carpus", fore(0.256, -0.016, 0.012)}},
-  {"extensor_digitorum", spindle, {"humerus", arm(0.286, -0.004, 0.042)},
-   {fore(0.030, -0.014, 0.034), fore(0.090, -0.023, 0.013), fore(0.170, -0.017, 0.006), fore(0.235, -0.0145, 0.003)},
-   {"carpus", fore(0.256, -0.016, 0.002)}},
-  {"subscapularis", {0.6, 0.8, 0.8, 0.6}, {"scapula", vec3(-0.110, -0.050, -0.042)},
-   {vec3(-0.078, -0.036, -0.020), vec3(-0.046, -0.014, 0.012)}, {"humerus", vec3(-0.010, -0.004, 0.030)}},
-  {"extensor_carpi_ulnaris", {0.5, 0.8, 0.8, 0.6, 0.5, 0.4}, {"humerus", arm(0.287, -0.008, 0.044)},
-   {fore(0.024, -0.022, 0.031), fore(0.080, -0.026, -0.004), fore(0.165, -0.016, -0.013), fore(0.232, -0.0130, -0.016)},
-   {"carpus", fore(0.256, -0.014, -0.012)}},
-  {"teres_major", {0.6, 0.7, 0.7, 0.6}, {"scapula", vec3(-0.088, -0.112, -0.060)},
-   {vec3(-0.060, -0.090, -0.044), arm(0.030, -0.020, -0.040)}, {"humerus", arm(0.080, 0.000, -0.018)}},
-  {"infraspinatus", {0.6, 0.8, 0.8, 0.6}, {"scapula", vec3(-0.115, -0.045, -0.072)},
-   {vec3(-0.085, -0.034, -0.062), vec3(-0.036, -0.006, -0.044)}, {"humerus", vec3(0.008, 0.012, -0.030)}},
-  {"supraspinatus", {0.3, 0.4, 0.4, 0.4}, {"scapula", vec3(-0.115, 0.022, -0.060)},
-   {vec3(-0.085, 0.036, -0.044), vec3(-0.040, 0.036, -0.022)}, {"humerus", vec3(0.004, 0.032, -0.004)}},
-  {"hypothenar", belly, {"carpus", fore(0.268, 0.012, -0.014)},
-   {fore(0.285, 0.010, -0.019), fore(0.305, 0.009, -0.024)}, {"finger_5", fore(0.322, 0.009, -0.028)}},
-  {"thenar", belly, {"carpus", fore(0.268, 0.012, 0.016)},
-   {fore(0.282, 0.020, 0.026), fore(0.296, 0.024, 0.034)}, {"thumb", fore(0.312, 0.026, 0.042)}},
+  {"biceps_brachii", {0.3, 0.4, 1.4, 1.7, 0.9, 0.4},
+    {"scapula", vec3(-0.026, 0.014, 0.038)},
+    {arm(0.075, 0.025, -0.014), arm(0.145, 0.034, -0.004), arm(0.215, 0.029, 0.000), arm(0.272, 0.024, 0.004)},
+    {"radius", fore(0.044, 0.014, 0.008)}},
+  {"deltoid_anterior", {0.8, 1.5, 1.7, 1.5, 0.7},
+    {"clavicle", vec3(-0.040, 0.044, 0.038)},
+    {vec3(-0.008, 0.022, 0.044), arm(0.045, 0.030, 0.018), arm(0.090, 0.024, 0.016)},
+    {"humerus", arm(0.130, 0.012, 0.012)}},
+  {"deltoid_middle", {0.8, 1.5, 1.8, 1.6, 0.8},
+    {"scapula", vec3(0.024, 0.044, -0.014)},
+    {vec3(0.026, 0.036, -0.008), arm(0.045, 0.004, 0.042), arm(0.090, 0.003, 0.032)},
+    {"humerus", arm(0.140, 0.000, 0.018)}},
+  {"deltoid_posterior", {0.8, 1.3, 1.4, 1.1, 0.6},
+    {"scapula", vec3(-0.028, 0.034, -0.062)},
+    {vec3(-0.008, 0.018, -0.048), arm(0.050, -0.026, 0.026), arm(0.095, -0.019, 0.023)},
+    {"humerus", arm(0.132, -0.010, 0.014)}},
+  {"pectoralis_clavicular", {0.8, 1.1, 1.2, 1.0, 0.5},
+    {"clavicle", vec3(-0.105, 0.036, 0.070)},
+    {vec3(-0.078, 0.016, 0.062), vec3(-0.034, -0.008, 0.052), arm(0.058, 0.026, -0.004)},
+    {"humerus", arm(0.068, 0.016, -0.003)}},
+  {"pectoralis_sternal", {0.8, 1.0, 1.0, 0.8, 0.4},
+    {"sternum", vec3(-0.126, -0.050, 0.076)},
+    {vec3(-0.098, -0.048, 0.060), vec3(-0.048, -0.040, 0.046), arm(0.050, 0.024, -0.022)},
+    {"humerus", arm(0.056, 0.017, -0.006)}},
+  {"brachialis", {0.7, 1.1, 1.2, 0.5},
+    {"humerus", arm(0.150, 0.014, 0.008)},
+    {arm(0.200, 0.016, 0.014), arm(0.255, 0.020, 0.008)},
+    {"ulna", fore(0.032, 0.008, -0.008)}},
+  {"coracobrachialis", {0.5, 0.8, 0.8, 0.5},
+    {"scapula", vec3(-0.034, 0.010, 0.036)},
+    {vec3(-0.018, -0.014, 0.032), arm(0.090, 0.010, -0.024)},
+    {"humerus", arm(0.145, 0.005, -0.016)}},
+  {"triceps_long", {0.5, 1.3, 1.5, 0.9, 0.4},
+    {"scapula", vec3(-0.020, -0.032, -0.008)},
+    {arm(0.075, -0.030, -0.026), arm(0.145, -0.034, -0.014), arm(0.225, -0.025, -0.010)},
+    {"ulna", fore(-0.034, -0.020, -0.008)}},
+  {"triceps_lateral", {0.7, 1.3, 1.4, 0.8, 0.4},
+    {"humerus", arm(0.075, -0.018, 0.010)},
+    {arm(0.120, -0.026, 0.018), arm(0.175, -0.029, 0.017), arm(0.240, -0.023, 0.008)},
+    {"ulna", fore(-0.032, -0.020, -0.002)}},
+  {"triceps_medial", {0.6, 0.9, 0.9, 0.4},
+    {"humerus", arm(0.150, -0.012, -0.008)},
+    {arm(0.200, -0.017, -0.016), arm(0.250, -0.018, -0.014)},
+    {"ulna", fore(-0.032, -0.016, -0.014)}},
+  {"brachioradialis", {0.6, 1.2, 1.2, 0.7, 0.4},
+    {"humerus", arm(0.232, 0.006, 0.014)},
+    {arm(0.275, 0.018, 0.028), fore(0.050, 0.022, 0.030), fore(0.130, 0.012, 0.027)},
+    {"radius", fore(0.226, 0.010, 0.024)}},
+  {"flexor_carpi_radialis", spindle,
+    {"humerus", arm(0.282, 0.014, -0.038)},
+    {fore(0.055, 0.026, -0.012), fore(0.115, 0.022, 0.000), fore(0.185, 0.016, 0.006), fore(0.235, 0.0150, 0.007)},
+    {"carpus", fore(0.256, 0.016, 0.008)}},
+  {"pronator_teres", strap,
+    {"humerus", arm(0.278, 0.010, -0.032)},
+    {fore(0.035, 0.018, -0.012), fore(0.080, 0.017, 0.008)},
+    {"radius", fore(0.122, 0.012, 0.018)}},
+  {"flexor_carpi_ulnaris", {0.5, 0.8, 0.8, 0.6, 0.5, 0.4},
+    {"humerus", arm(0.288, 0.006, -0.044)},
+    {fore(0.055, 0.008, -0.036), fore(0.115, 0.006, -0.030), fore(0.185, 0.009, -0.022), fore(0.232, 0.0125, -0.018)},
+    {"carpus", fore(0.255, 0.014, -0.014)}},
+  {"flexor_digitorum", {0.6, 1.5, 1.5, 0.9, 0.5, 0.4},
+    {"ulna", fore(0.050, 0.006, -0.014)},
+    {fore(0.085, 0.014, -0.014), fore(0.150, 0.014, -0.007), fore(0.200, 0.013, -0.004), fore(0.235, 0.0135, -0.004)},
+    {"carpus", fore(0.256, 0.016, -0.004)}},
+  {"extensor_carpi_radialis", spindle,
+    {"humerus", arm(0.282, 0.006, 0.042)},
+    {fore(0.035, 0.000, 0.036), fore(0.100, -0.008, 0.031), fore(0.185, -0.013, 0.020), fore(0.235, -0.0145, 0.013)},
+    {"carpus", fore(0.256, -0.016, 0.012)}},
+  {"extensor_digitorum", spindle,
+    {"humerus", arm(0.286, -0.004, 0.042)},
+    {fore(0.030, -0.014, 0.034), fore(0.090, -0.023, 0.013), fore(0.170, -0.017, 0.006), fore(0.235, -0.0145, 0.003)},
+    {"carpus", fore(0.256, -0.016, 0.002)}},
+  {"subscapularis", {0.6, 0.8, 0.8, 0.6},
+    {"scapula", vec3(-0.110, -0.050, -0.042)},
+    {vec3(-0.078, -0.036, -0.020), vec3(-0.046, -0.014, 0.012)},
+    {"humerus", vec3(-0.010, -0.004, 0.030)}},
+  {"extensor_carpi_ulnaris", {0.5, 0.8, 0.8, 0.6, 0.5, 0.4},
+    {"humerus", arm(0.287, -0.008, 0.044)},
+    {fore(0.024, -0.022, 0.031), fore(0.080, -0.026, -0.004), fore(0.165, -0.016, -0.013),
+     fore(0.232, -0.0130, -0.016)},
+    {"carpus", fore(0.256, -0.014, -0.012)}},
+  {"teres_major", {0.6, 0.7, 0.7, 0.6},
+    {"scapula", vec3(-0.088, -0.112, -0.060)},
+    {vec3(-0.060, -0.090, -0.044), arm(0.030, -0.020, -0.040)},
+    {"humerus", arm(0.080, 0.000, -0.018)}},
+  {"infraspinatus", {0.6, 0.8, 0.8, 0.6},
+    {"scapula", vec3(-0.115, -0.045, -0.072)},
+    {vec3(-0.085, -0.034, -0.062), vec3(-0.036, -0.006, -0.044)},
+    {"humerus", vec3(0.008, 0.012, -0.030)}},
+  {"supraspinatus", {0.3, 0.4, 0.4, 0.4},
+    {"scapula", vec3(-0.115, 0.022, -0.060)},
+    {vec3(-0.085, 0.036, -0.044), vec3(-0.040, 0.036, -0.022)},
+    {"humerus", vec3(0.004, 0.032, -0.004)}},
+  {"hypothenar", belly,
+    {"carpus", fore(0.268, 0.012, -0.014)},
+    {fore(0.285, 0.010, -0.019), fore(0.305, 0.009, -0.024)},
+    {"finger_5", fore(0.322, 0.009, -0.028)}},
+  {"thenar", belly,
+    {"carpus", fore(0.268, 0.012, 0.016)},
+    {fore(0.282, 0.020, 0.026), fore(0.296, 0.024, 0.034)},
+    {"thumb", fore(0.312, 0.026, 0.042)}},
 }
 
-local function site(place) -- {bone, point}: the nearest place on the bone, half a millimetre above: meshes are only so exact
+-- {bone, point} -> the nearest place on the bone, and half a millimetre off it: the meshes are only so exact.
+local function site(place)
   local bone, p = table.unpack(place)
   local q = scene:bone(bone):surface():closest(p).point
   return q + (vec3(p) - q):unit() * 0.0005
@@ -233,15 +287,16 @@ for _, m in ipairs(muscles) do
   scene:add_muscle(name, {points = points, tissue = tissue})
 end
 
--- 8  solve computes the tissue functions: one for each muscle and one for fat. set_fat sets the value of fat on the skin.
--- What is largest at a place is what is there.
+-- 8  solve computes the tissue functions: one for each muscle and one for fat. set_fat sets the value of fat on the
+-- skin. The function that is largest at a place says what is there.
 
 scene:set_fat(fat)
 local solved = scene:solve()
-print(string.format("%d unknowns, %d collocation points, residual %.1e", solved.unknowns, solved.collocation_points, solved.residual))
+print(string.format("%d unknowns, %d collocation points, residual %.1e", solved.unknowns, solved.collocation_points,
+                    solved.residual))
 
--- 9  extract cuts the tets along the borders of the tissues. check() tests what came out. save() goes by the extension of
--- the path; without one it makes a folder.
+-- 9  extract cuts the tets along the borders of the tissues. check() tests what came out. save() goes by the extension
+-- of the path; without one it makes a folder.
 
 local x = scene:extract{}
 local check = x:check()
@@ -251,8 +306,8 @@ assert(x:save(out .. "/arm.vtu"))
 assert(x:save(out .. "/arm.mesh"))
 assert(x:save(out .. "/arm_muscles"))
 
--- 10  render draws the scene: here through its skin, and cut open. clip takes away what lies on the side that its normal
--- points to, and shows the tissues on the cut: along the limb, and across the upper arm seen from the elbow.
+-- 10  render draws the scene: here through its skin, and cut open. clip takes away what lies on the side that its
+-- normal points to, and shows the tissues on the cut: along the limb, and across the upper arm seen from the elbow.
 
 local view = {eye = {-0.35, 0.20, 2.4}, target = {0.172, 0.040, 0}, fov = 12.8}
 local middle = arm(0.170, 0.005, 0)
@@ -276,4 +331,5 @@ for _, name in ipairs(x:names()) do
   line("%-26s %8.1f %8d", name, part:volume() * 1e6, part:tet_count())
 end
 report:close()
-print(string.format("%d tets of soft tissue, %d after extraction, %.1f s", mesh.tets, x:tet_count(), sinew.time() - start))
+print(string.format("%d tets of soft tissue, %d after extraction, %.1f s", mesh.tets, x:tet_count(),
+                    sinew.time() - start))
