@@ -11,6 +11,7 @@
 #define SWEEPS 40      /* at the last try                                                         */
 #define FIRST_SWEEPS 5 /* at the others                                                           */
 #define BACK_SWEEPS 8  /* that only undo, see step_back                                           */
+#define NO_MOVE 1e-12  /* in weights: the rounding of their sum                                     */
 #define STEP_BACK 0.03
 #define WIDEN_AFTER 2    /* sweeps; then the corners around a flat tet move as well                    */
 #define MIN_RATIO 0.25   /* of the raises of two neighbouring tissues, see set_raise                   */
@@ -88,16 +89,6 @@ static void put(placer *p, int32_t id)
 
 /* ---- first places ---- */
 
-static void note_move(placer *p, int32_t id, const double *from, const double *to)
-{
-    int32_t v[4];
-    int n = simplex_of(p, id, v);
-    double d = sn_v3_dist(blend(p, v, from, n), blend(p, v, to, n));
-    if (d == 0.0) return;
-    p->x->n_moved++;
-    p->x->largest_move = fmax(p->x->largest_move, d);
-}
-
 static int64_t diff(const placer *p, const int32_t *row, int32_t a, int32_t b)
 {
     return (int64_t)row[a] - row[b] + p->raise[a] - p->raise[b];
@@ -121,7 +112,6 @@ static void place_edge(placer *p, int32_t e)
         w[2] = w[3] = 0.0;
         low = kept;
         memcpy(exact_of(p, p->m->n_vert + first + i), want, sizeof want);
-        note_move(p, p->m->n_vert + first + i, want, w);
     }
 }
 
@@ -137,13 +127,7 @@ static void settle(placer *p, int32_t id, const double *raw, int n)
         after += w[k];
     }
     memcpy(exact_of(p, id), want, sizeof want);
-    if (after == 1.0) return;
     for (int k = 0; k < n; k++) w[k] /= after;
-    for (int k = 0; k < n; k++)
-        if (want[k] < p->margin) { /* only a real move is counted, not the rounding of the sum */
-            note_move(p, id, want, w);
-            return;
-        }
 }
 
 static void place_face_point(placer *p, int32_t f, int32_t i)
@@ -361,7 +345,6 @@ static bool mend_corner(placer *p, const stars *s, int32_t rank)
     (void)best_over(&q, w, 0, 1.0);
     if (q.best > now) {
         if (q.best > 0.0) shorten_move(&q, weight);
-        note_move(p, id, weight, q.best_w);
         memcpy(weight, q.best_w, sizeof q.best_w);
     }
     put(p, id);
@@ -421,15 +404,30 @@ static sn_status place_with_raise(placer *p, int32_t largest, int sweeps, const 
     sn_status st = SN_EINTERNAL;
     set_raise(p, largest);
     for (int back = 1; back >= 0 && st == SN_EINTERNAL; back--) {
-        p->x->n_moved = 0;
-        p->x->largest_move = 0.0;
         place_first(p);
         st = mend(p, back, back ? BACK_SWEEPS : sweeps, run, err);
     }
     return st;
 }
 
-/* ---- the envelope ---- */
+/* ---- what was done ---- */
+
+/* Corners that are not where their tissues tie. */
+static void count_moves(placer *p)
+{
+    p->x->n_moved = 0;
+    p->x->largest_move = 0.0;
+    for (int32_t id = p->m->n_vert; id < p->n_point; id++) {
+        const double *w = weight_of(p, id), *e = exact_of(p, id);
+        double most = 0.0;
+        for (int k = 0; k < 4; k++) most = fmax(most, fabs(w[k] - e[k]));
+        if (most < NO_MOVE) continue;
+        int32_t v[4];
+        int n = simplex_of(p, id, v);
+        p->x->n_moved++;
+        p->x->largest_move = fmax(p->x->largest_move, sn_v3_dist(blend(p, v, w, n), blend(p, v, e, n)));
+    }
+}
 
 static double value_in(const placer *p, const double *value, int32_t tissue, const int32_t *v,
                        const double *w, int n)
@@ -475,6 +473,7 @@ sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, c
     size_t last = sizeof raises / sizeof *raises - 1;
     for (size_t i = 0; st == SN_EINTERNAL && i <= last; i++)
         st = place_with_raise(&p, raises[i], i < last ? FIRST_SWEEPS : SWEEPS, run, err);
+    if (!st) count_moves(&p);
     if (!st) fill_envelope(&p, value);
     sn_release(p.weight);
     sn_release(p.exact);

@@ -1,6 +1,8 @@
 /* lsn.c - the module table, the state around the bindings, errors, and what all types share. */
 #include "lsn.h"
 
+#include "base/file.h"
+
 #include "base/alloc.h"
 
 #include <stdarg.h>
@@ -205,6 +207,16 @@ static int sinew_time(lua_State *L)
     return 1;
 }
 
+static int sinew_folder(lua_State *L) /* sinew.folder(path) -> path | nil, message */
+{
+    sn_error err;
+    const char *path = luaL_checkstring(L, 1);
+    luaL_argcheck(L, *path, 1, "path is empty");
+    if (sn_dir_create(path, &err)) return lsn_nil_error(L, &err);
+    lua_settop(L, 1);
+    return 1;
+}
+
 static int sinew_threads(lua_State *L) /* sinew.threads([n]) -> the number in use */
 {
     sn_run *run = &lsn_get_state(L)->run;
@@ -219,7 +231,8 @@ static int sinew_threads(lua_State *L) /* sinew.threads([n]) -> the number in us
 
 int luaopen_sinew(lua_State *L)
 {
-    static const luaL_Reg functions[] = {{"time", sinew_time}, {"threads", sinew_threads}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"time", sinew_time}, {"threads", sinew_threads}, {"folder", sinew_folder}, {NULL, NULL}};
     static const luaL_Reg owner_meta[] = {{"__gc", owner_gc}, {NULL, NULL}}, none[] = {{NULL, NULL}};
     luaL_checkversion(L);
     (void)lsn_get_state(L);

@@ -13,6 +13,8 @@ static const help general[] = {
     {"sinew.time", "sinew.time() -> seconds  a clock that never goes back, for measuring"},
     {"sinew.threads",
      "sinew.threads([n]) -> n  threads that long steps use; 0: one per core. No result depends on it"},
+    {"sinew.folder", "sinew.folder(path) -> path | nil, message  makes the folder when it is missing; its "
+                     "parent must be there"},
     {"sinew.vec3", "sinew.vec3(x, y, z) -> vec3  a point or vector: p.x p.y p.z, p[1] p[2] p[3], + - * / ==; "
                    "{x, y, z} does "
                    "wherever a point is wanted"},

@@ -4,12 +4,12 @@
 --     sinew -D size=0.011 -D out=/tmp scripts/examples/arm.lua          coarser and faster, into another folder
 --     sinew -D flexion=45 scripts/examples/arm.lua                      another pose
 --
--- Writes into the folder `out`, which must be there: arm.png, arm_section.png, arm_across.png (pictures), arm.vtu and
+-- Writes into the folder `out`: arm.png, arm_section.png, arm_across.png (pictures), arm.vtu and
 -- arm.mesh (all tissues as tets that fit each other), arm_muscles (a folder: one OBJ for each tissue) and arm.txt (the
 -- volumes, printed too). It is a left arm. Metres; x to the subject's left, y up, z to the front; the shoulder joint
 -- is at the origin.
 
-out = out or "out"                -- where the files go
+out = out or "out"                -- where the files go; made when missing
 size = size or 0.010              -- edge length of the mesh on the skin: smaller is finer and slower
 fat = fat or 0.10                 -- value of fat on the skin: larger makes a thicker layer under the skin
 abduction = abduction or 68       -- degrees from the hanging to the raised upper arm
@@ -17,7 +17,8 @@ rotation = rotation or 60         -- degrees by which the upper arm is turned ou
 flexion = flexion or 78           -- degrees by which the elbow is bent
 
 local start = sinew.time()        -- seconds on the wall clock
-local report = assert(io.open(out .. "/arm.txt", "w"))      -- no such folder? Better now than after the work
+assert(sinew.folder(out))         -- a folder that cannot be made is better known now than after the work
+local report = assert(io.open(out .. "/arm.txt", "w"))
 local shape, vec3 = sinew.shape, sinew.vec3
 
 -- 1  Frames. Places on the limb are given as (along, front, side): metres from the joint along the bone, towards the

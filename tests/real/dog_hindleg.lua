@@ -5,7 +5,7 @@
 -- The data is that of google-deepmind/dm_control (suite/dog_assets). It is looked for in $SINEW_DATA, else in
 -- ../shared/data. Metres, z up, head towards +x. Options: -D out=FOLDER, -D skin_edge=METRES, -D bone_edge=METRES.
 
-out = out or "out"
+out = assert(sinew.folder(out or "out"))
 skin_edge = skin_edge or 0.011
 bone_edge = bone_edge or 0.004
 

@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* mkdtemp */
 /* test_extraction_save - parts of an extraction and its files, also as a checker that shares no code with us
  * sees them. */
 #include <stdarg.h>
