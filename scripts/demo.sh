@@ -3,7 +3,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 sh scripts/setup.sh
-build/sinew -D out=out scripts/examples/arm.lua
+build/sinew scripts/examples/arm.lua
 echo "out/arm.png          the picture"
 echo "out/arm_section.png  a section through the upper arm"
 echo "out/arm.vtu, .mesh   all tissues as tets (ParaView, MEDIT)"

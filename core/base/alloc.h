@@ -1,5 +1,5 @@
-/* alloc.h - all memory of the library goes through here, so that sizes cannot overflow and tests can count and fail
- * allocations. */
+/* alloc.h - all memory of the library goes through here, so that sizes cannot overflow and tests can count
+ * and fail allocations. */
 #ifndef SN_BASE_ALLOC_H
 #define SN_BASE_ALLOC_H
 
@@ -11,7 +11,8 @@
 
 SN_BEGIN_DECLS
 
-/* n * size bytes, not initialised; NULL when memory is short or n * size overflows. n = 0 gives a valid pointer. */
+/* n * size bytes, not initialised; NULL when memory is short or n * size overflows. n = 0 gives a valid
+ * pointer. */
 void *sn_alloc(size_t n, size_t size);
 void *sn_alloc_zero(size_t n, size_t size);
 /* As realloc; on NULL the old block is untouched. */
@@ -27,8 +28,8 @@ bool sn_grow(void *p_ptr, size_t *cap, size_t need, size_t size);
 
 char *sn_strdup(const char *s); /* a copy by sn_alloc, or NULL */
 
-/* Replaces the allocator (NULL: back to the C library's). For tests; set before any other call, not thread-safe.
- * realloc_fn(user, p, bytes): bytes = 0 frees p, p = NULL allocates. */
+/* Replaces the allocator (NULL: back to the C library's). For tests; set before any other call, not
+ * thread-safe. realloc_fn(user, p, bytes): bytes = 0 frees p, p = NULL allocates. */
 typedef struct sn_allocator {
     void *(*realloc_fn)(void *user, void *p, size_t bytes);
     void *user;

@@ -58,7 +58,8 @@ static void limit_child(const sn_child *opt)
     }
 }
 
-/* Nothing to read, nothing to be seen. Returns fd, or its copy when it had the number of a standard stream. */
+/* Nothing to read, nothing to be seen. Returns fd, or its copy when it had the number of a standard stream.
+ */
 static int mute_child(int fd)
 {
     if (fd <= STDERR_FILENO) fd = fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -71,7 +72,8 @@ static int mute_child(int fd)
     return fd;
 }
 
-static void child_main(const sn_child *opt, sn_status (*fn)(void *, sn_child_out *, sn_error *), void *user, int fd)
+static void child_main(const sn_child *opt, sn_status (*fn)(void *, sn_child_out *, sn_error *), void *user,
+                       int fd)
 {
     limit_child(opt);
     sn_child_out out = {mute_child(fd)};
@@ -84,7 +86,8 @@ static void child_main(const sn_child *opt, sn_status (*fn)(void *, sn_child_out
 }
 
 /* Reads until the child closes the pipe, or the run stops, or time is up. */
-static sn_status collect(const sn_child *opt, int fd, const sn_run *run, char **data, size_t *size, sn_error *err)
+static sn_status collect(const sn_child *opt, int fd, const sn_run *run, char **data, size_t *size,
+                         sn_error *err)
 {
     double end = opt->time_limit > 0.0 ? sn_clock() + opt->time_limit : 0.0;
     size_t cap = 0;
@@ -96,7 +99,8 @@ static sn_status collect(const sn_child *opt, int fd, const sn_run *run, char **
         struct pollfd p = {.fd = fd, .events = POLLIN};
         int ready = poll(&p, 1, POLL_MS);
         if (ready <= 0) continue;
-        if (!sn_grow(data, &cap, *size + (1u << 16), 1)) return sn_fail(err, SN_ENOMEM, "%s: no memory", opt->step);
+        if (!sn_grow(data, &cap, *size + (1u << 16), 1))
+            return sn_fail(err, SN_ENOMEM, "%s: no memory", opt->step);
         ssize_t n = read(fd, *data + *size, cap - *size);
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) return sn_fail(err, SN_EINTERNAL, "%s: %s", opt->step, strerror(errno));
@@ -145,8 +149,7 @@ sn_status sn_child_run(const sn_child *opt, sn_status (*fn)(void *, sn_child_out
     (void)close(fd[0]);
     if (st) (void)kill(pid, SIGKILL);
     int status = 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-    }
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
     if (!st) st = judge(opt, status, *data, *size, err);
     if (st) {
         sn_release(*data);

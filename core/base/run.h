@@ -1,7 +1,7 @@
 /* run.h - the circumstances a long step runs in: threads, progress, interruption, a deadline.
  *
- * Every function that may take longer than a blink takes a `const sn_run *run`; NULL means one thread per core, no
- * progress, no interruption. No result depends on the number of threads. */
+ * Every function that may take longer than a blink takes a `const sn_run *run`; NULL means one thread per
+ * core, no progress, no interruption. No result depends on the number of threads. */
 #ifndef SN_BASE_RUN_H
 #define SN_BASE_RUN_H
 
@@ -11,18 +11,20 @@
 #include <stdbool.h>
 
 typedef struct sn_run {
-    int n_threads;                        /* 0: one per core                                          */
-    const volatile sig_atomic_t *cancel;  /* nonzero: stop; NULL: cannot be stopped. May be set by a signal handler */
-    double deadline;                      /* sn_clock() after which to stop with SN_ELIMIT; 0: none   */
-    void (*progress)(void *user, const char *step, double fraction); /* fraction in 0..1; < 0 unknown; NULL: none.
-                                             Called from the thread that started the step only.       */
+    int n_threads; /* 0: one per core                                          */
+    const volatile sig_atomic_t
+        *cancel;     /* nonzero: stop; NULL: cannot be stopped. May be set by a signal handler */
+    double deadline; /* sn_clock() after which to stop with SN_ELIMIT; 0: none   */
+    void (*progress)(void *user, const char *step, double fraction); /* fraction in 0..1; < 0 unknown; NULL:
+                                             none. Called from the thread that started the step only.       */
     void *user;
 } sn_run;
 
-double sn_clock(void);                    /* monotonic seconds */
-int sn_run_threads(const sn_run *run);    /* at least 1 */
-bool sn_run_stopped(const sn_run *run);   /* cheap; from any thread */
-/* Reports progress and checks for a stop. SN_ECANCEL "interrupted" or SN_ELIMIT "time limit reached" with the step. */
+double sn_clock(void);                  /* monotonic seconds */
+int sn_run_threads(const sn_run *run);  /* at least 1 */
+bool sn_run_stopped(const sn_run *run); /* cheap; from any thread */
+/* Reports progress and checks for a stop. SN_ECANCEL "interrupted" or SN_ELIMIT "time limit reached" with the
+ * step. */
 SN_MUST_USE sn_status sn_run_step(const sn_run *run, const char *step, double fraction, sn_error *err);
 
 #endif

@@ -1,7 +1,8 @@
 /* status.h - how every fallible function of sinew says what went wrong.
  *
- * A fallible function returns sn_status (0 = SN_OK) and takes the caller's sn_error last. The message says where,
- * what was found and what was wanted. The library never prints, exits or keeps a "last error" of its own. */
+ * A fallible function returns sn_status (0 = SN_OK) and takes the caller's sn_error last. The message says
+ * where, what was found and what was wanted. The library never prints, exits or keeps a "last error" of its
+ * own. */
 #ifndef SN_BASE_STATUS_H
 #define SN_BASE_STATUS_H
 
@@ -23,16 +24,16 @@
 
 typedef enum sn_status {
     SN_OK = 0,
-    SN_EINVAL,    /* an argument or a value that a caller gave                          */
-    SN_ENOMEM,    /* memory                                                             */
-    SN_EIO,       /* a file that cannot be opened, read or written                      */
-    SN_EFORMAT,   /* a file whose contents are wrong                                    */
-    SN_EMESH,     /* geometry that cannot be meshed, or a mesher that failed            */
-    SN_ESOLVE,    /* a linear system that cannot be solved                              */
-    SN_ERENDER,   /* no OpenGL context, or a picture that cannot be made                */
-    SN_ELIMIT,    /* a time, memory or size limit                                       */
-    SN_ECANCEL,   /* interrupted                                                        */
-    SN_EINTERNAL  /* a promise of our own that did not hold: a bug                      */
+    SN_EINVAL,   /* an argument or a value that a caller gave                          */
+    SN_ENOMEM,   /* memory                                                             */
+    SN_EIO,      /* a file that cannot be opened, read or written                      */
+    SN_EFORMAT,  /* a file whose contents are wrong                                    */
+    SN_EMESH,    /* geometry that cannot be meshed, or a mesher that failed            */
+    SN_ESOLVE,   /* a linear system that cannot be solved                              */
+    SN_ERENDER,  /* no OpenGL context, or a picture that cannot be made                */
+    SN_ELIMIT,   /* a time, memory or size limit                                       */
+    SN_ECANCEL,  /* interrupted                                                        */
+    SN_EINTERNAL /* a promise of our own that did not hold: a bug                      */
 } sn_status;
 
 typedef struct sn_error {

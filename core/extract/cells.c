@@ -1,9 +1,10 @@
 /* The cells of each tet and their tets.
  *
- * A cell is a simple convex polytope: every corner lies on exactly three of its facets, which are faces of the tet or
- * walls against another tissue, and its name says which. Two corners are joined by an edge when they share two facets;
- * the order of the three facets around a corner (an exact sign) says which way round. So no geometry is needed to
- * triangulate: a facet is a fan from its lowest corner, the cell a cone from its lowest corner. */
+ * A cell is a simple convex polytope: every corner lies on exactly three of its facets, which are faces of
+ * the tet or walls against another tissue, and its name says which. Two corners are joined by an edge when
+ * they share two facets; the order of the three facets around a corner (an exact sign) says which way round.
+ * So no geometry is needed to triangulate: a facet is a fan from its lowest corner, the cell a cone from its
+ * lowest corner. */
 #include "extract/extract_private.h"
 
 #include "base/alloc.h"
@@ -13,18 +14,18 @@
 #define CHUNK 2048 /* tets cut by one thread at a time */
 
 typedef struct point {
-    int32_t id;          /* corner number                            */
-    int32_t tie[4];      /* n_tie tissues                            */
+    int32_t id;     /* corner number                            */
+    int32_t tie[4]; /* n_tie tissues                            */
     int8_t n_tie;
-    uint8_t faces;       /* bit k: lies on face k of the tet         */
+    uint8_t faces; /* bit k: lies on face k of the tet         */
 } point;
 
-typedef struct corner {  /* of one cell */
+typedef struct corner { /* of one cell */
     int32_t id;
-    int32_t facet[3];    /* in positive order: det of outward normals > 0 */
+    int32_t facet[3]; /* in positive order: det of outward normals > 0 */
 } corner;
 
-typedef struct buffer {  /* what one chunk makes */
+typedef struct buffer { /* what one chunk makes */
     int32_t *tet, *part, *source;
     int32_t (*tie)[4];
     int32_t *tie_tet;
@@ -36,14 +37,14 @@ typedef struct worker {
     const xt_grid *grid;
     const xt_cuts *cuts;
     buffer *out;
-    int32_t first_inner;     /* number of the first point inside tets */
+    int32_t first_inner; /* number of the first point inside tets */
     int32_t i_tet;
-    const int32_t *v;        /* its corners */
+    const int32_t *v; /* its corners */
     const int32_t *row[4];
     xt_list candidate, present;
     point *pt;
     size_t n_pt, cap_pt;
-    int32_t (*quad)[4];      /* points inside the tet, ascending tissues */
+    int32_t (*quad)[4]; /* points inside the tet, ascending tissues */
     size_t n_quad, cap_quad;
     corner *cell;
     size_t n_cell, cap_cell;
@@ -254,7 +255,8 @@ static void add_present(worker *w, int32_t tissue)
 
 /* ---- one cell ---- */
 
-/* The outward normal of a facet of tissue i's cell, in the basis of the gradients of barycentric coordinates 1, 2, 3. */
+/* The outward normal of a facet of tissue i's cell, in the basis of the gradients of barycentric coordinates
+ * 1, 2, 3. */
 static void facet_normal(const worker *w, int32_t i, int32_t facet, int64_t n[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -306,8 +308,8 @@ static int facet_place(const corner *c, int32_t facet)
     return c->facet[0] == facet ? 0 : c->facet[1] == facet ? 1 : c->facet[2] == facet ? 2 : -1;
 }
 
-/* The corner after c counter-clockwise around the facet: the other one that also lies on the facet that follows in c's
- * order but one. -1: none, which cannot be. */
+/* The corner after c counter-clockwise around the facet: the other one that also lies on the facet that
+ * follows in c's order but one. -1: none, which cannot be. */
 static int32_t next_around(const worker *w, int32_t at, int32_t facet)
 {
     const corner *c = &w->cell[at];
@@ -417,7 +419,8 @@ static sn_status allocate(xt_cells *c, const buffer *b, int32_t n_chunk, sn_erro
         c->n_tet += b[i].n_tet;
         c->n_inner += b[i].n_inner;
     }
-    if (c->n_tet > INT32_MAX) return sn_fail(err, SN_ELIMIT, "extract: %zu tets are more than 2^31", c->n_tet);
+    if (c->n_tet > INT32_MAX)
+        return sn_fail(err, SN_ELIMIT, "extract: %zu tets are more than 2^31", c->n_tet);
     c->tet = SN_NEW(int32_t, 4 * c->n_tet);
     c->part = SN_NEW(int32_t, c->n_tet);
     c->source = SN_NEW(int32_t, c->n_tet);
@@ -455,10 +458,11 @@ void xt_cells_free(xt_cells *c)
     memset(c, 0, sizeof *c);
 }
 
-sn_status xt_cells_build(xt_cells *c, const sn_tet_mesh *m, const xt_grid *g, const xt_cuts *cuts, const sn_run *run,
-                         sn_error *err)
+sn_status xt_cells_build(xt_cells *c, const sn_tet_mesh *m, const xt_grid *g, const xt_cuts *cuts,
+                         const sn_run *run, sn_error *err)
 {
-    int32_t n_chunk = (m->n_tet + CHUNK - 1) / CHUNK, first_inner = m->n_vert + cuts->n_edge_point + cuts->n_face_point;
+    int32_t n_chunk = (m->n_tet + CHUNK - 1) / CHUNK,
+            first_inner = m->n_vert + cuts->n_edge_point + cuts->n_face_point;
     buffer *b = SN_NEW_ZERO(buffer, n_chunk);
     bool out_of_memory = false, broken = false;
     memset(c, 0, sizeof *c);

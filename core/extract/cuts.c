@@ -64,7 +64,8 @@ no_mem:
     return no_memory(err);
 }
 
-/* From the tissue that wins so far, the one that overtakes it first on the way to v: see signs.h for the rows. */
+/* From the tissue that wins so far, the one that overtakes it first on the way to v: see signs.h for the
+ * rows. */
 static int32_t next_winner(const xt_grid *g, int32_t u, int32_t v, int32_t now)
 {
     const int32_t *fu = xt_row(g, u), *fv = xt_row(g, v);
@@ -168,7 +169,8 @@ static sn_status collect_faces(xt_cuts *c, const sn_tet_mesh *m, const xt_grid *
     sn_sort(c->face, n, sizeof *c->face, face_less);
     size_t kept = 0;
     for (size_t i = 0; i < n; i++)
-        if (i == 0 || face_less(c->face[i], c->face[kept - 1]) != 0) memmove(c->face[kept++], c->face[i], sizeof *c->face);
+        if (i == 0 || face_less(c->face[i], c->face[kept - 1]) != 0)
+            memmove(c->face[kept++], c->face[i], sizeof *c->face);
     if (kept > INT32_MAX) return sn_fail(err, SN_ELIMIT, "extract: too many faces");
     c->n_face = (int32_t)kept;
     return SN_OK;
@@ -194,7 +196,8 @@ static bool above_on_edge(const face_work *w, int k, int l, int32_t i, int32_t j
 {
     int64_t p[2] = {diff(w, k, i, j), diff(w, l, i, j)}, q[2] = {diff(w, k, i, m), diff(w, l, i, m)};
     int32_t id[2] = {j, m};
-    /* Weights (p[1], -p[0]) up to the sign s = sign p[1] of the first: f_i - f_m there is s (p[1] q[0] - p[0] q[1]). */
+    /* Weights (p[1], -p[0]) up to the sign s = sign p[1] of the first: f_i - f_m there is s (p[1] q[0] - p[0]
+     * q[1]). */
     int s = sn_sign_above(w->row[l][i], i, w->row[l][j], j);
     return -s * sn_sign2(i, p, q, id) < 0;
 }
@@ -214,7 +217,8 @@ static bool above_inside(const face_work *w, int32_t i, int32_t j, int32_t k, in
     return s * sn_sign3(i, p, q, t, id3) < 0;
 }
 
-/* The edge (k, k+1) on which the line of ties of i and j ends on the side where m is below or above; of its two ends. */
+/* The edge (k, k+1) on which the line of ties of i and j ends on the side where m is below or above; of its
+ * two ends. */
 static int line_ends(const face_work *w, int32_t i, int32_t j, int end[2])
 {
     int s[3], n = 0;
@@ -264,8 +268,8 @@ static bool follow_lines(face_work *w, size_t at)
     return true;
 }
 
-/* The triple points of one face: from every point on its border along the tie into the face, then on from what is met.
- * The border between cells is connected to the border of the face, so this finds them all. */
+/* The triple points of one face: from every point on its border along the tie into the face, then on from
+ * what is met. The border between cells is connected to the border of the face, so this finds them all. */
 static bool trace_face(face_work *w, const xt_cuts *c)
 {
     w->n = 0;
@@ -300,7 +304,8 @@ static sn_status cut_faces(xt_cuts *c, const xt_grid *g, const sn_run *run, sn_e
     for (int32_t f = 0; !st && f < c->n_face; f++) {
         if (f % 4096 == 0) st = sn_run_step(run, "cutting faces", (double)f / c->n_face, err);
         memcpy(w.corner, c->face[f], sizeof w.corner);
-        if (!st && (!trace_face(&w, c) || !sn_grow(&c->face_tie, &cap, n + w.n, sizeof *c->face_tie))) st = no_memory(err);
+        if (!st && (!trace_face(&w, c) || !sn_grow(&c->face_tie, &cap, n + w.n, sizeof *c->face_tie)))
+            st = no_memory(err);
         if (st || w.n == 0) continue; /* three tissues on the border but no point inside */
         memmove(c->face[kept], w.corner, sizeof w.corner);
         c->face_first[kept++] = (int32_t)n;

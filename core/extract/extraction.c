@@ -23,7 +23,8 @@ void sn_extraction_free(sn_extraction *x)
     sn_extraction_init(x);
 }
 
-static sn_status check_input(const sn_tet_mesh *m, int32_t n_tissue, const sn_extract_options *opt, sn_error *err)
+static sn_status check_input(const sn_tet_mesh *m, int32_t n_tissue, const sn_extract_options *opt,
+                             sn_error *err)
 {
     if (n_tissue < 1 || n_tissue > SN_MAX_TISSUES)
         return sn_fail(err, SN_EINVAL, "extract: %d tissues, need 1 to %d", n_tissue, SN_MAX_TISSUES);
@@ -44,13 +45,16 @@ static sn_status copy_names(sn_extraction *x, const char *const *name, int32_t n
 }
 
 /* Takes over the arrays of the cells, all but the ties. */
-static sn_status adopt_cells(sn_extraction *x, xt_cells *c, const sn_tet_mesh *m, const xt_cuts *cuts, sn_error *err)
+static sn_status adopt_cells(sn_extraction *x, xt_cells *c, const sn_tet_mesh *m, const xt_cuts *cuts,
+                             sn_error *err)
 {
     size_t n_vert = (size_t)m->n_vert + (size_t)cuts->n_edge_point + (size_t)cuts->n_face_point + c->n_inner;
-    if (n_vert > INT32_MAX) return sn_fail(err, SN_ELIMIT, "extract: %zu vertices are more than 2^31", n_vert);
+    if (n_vert > INT32_MAX)
+        return sn_fail(err, SN_ELIMIT, "extract: %zu vertices are more than 2^31", n_vert);
     x->mesh.pos = SN_NEW(double, 3 * n_vert);
     x->envelope = SN_NEW(double, n_vert);
-    if (!x->mesh.pos || !x->envelope) return sn_fail(err, SN_ENOMEM, "extract: no memory for %zu vertices", n_vert);
+    if (!x->mesh.pos || !x->envelope)
+        return sn_fail(err, SN_ENOMEM, "extract: no memory for %zu vertices", n_vert);
     x->mesh.n_vert = (int32_t)n_vert;
     x->mesh.n_tet = (int32_t)c->n_tet;
     x->mesh.tet = c->tet;
@@ -120,7 +124,8 @@ sn_status sn_extraction_part(const sn_extraction *x, int32_t tissue, sn_tet_mesh
     if (!st) {
         int32_t n = 0;
         for (int32_t v = 0; v < m->n_vert; v++)
-            if (number[v] >= 0) memcpy(out->pos + 3 * (size_t)number[v], m->pos + 3 * (size_t)v, 3 * sizeof *m->pos);
+            if (number[v] >= 0)
+                memcpy(out->pos + 3 * (size_t)number[v], m->pos + 3 * (size_t)v, 3 * sizeof *m->pos);
         for (int32_t t = 0; t < m->n_tet; t++) {
             if (m->part[t] != tissue) continue;
             for (int k = 0; k < 4; k++)

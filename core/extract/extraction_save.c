@@ -7,8 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static sn_status save_part_surface(const sn_extraction *x, const int32_t *adj, int32_t tissue, const char *folder,
-                                   sn_error *err)
+static sn_status save_part_surface(const sn_extraction *x, const int32_t *adj, int32_t tissue,
+                                   const char *folder, sn_error *err)
 {
     sn_tri_mesh surface;
     sn_tri_mesh_init(&surface);

@@ -13,8 +13,8 @@ void xt_grid_free(xt_grid *g)
 }
 
 /* Range of all values; the first that is not finite is an error. */
-static sn_status find_range(const double *value, const char *const *name, int32_t n_tissue, int32_t n_vert, double *lo,
-                            double *hi, sn_error *err)
+static sn_status find_range(const double *value, const char *const *name, int32_t n_tissue, int32_t n_vert,
+                            double *lo, double *hi, sn_error *err)
 {
     *lo = INFINITY;
     *hi = -INFINITY;
@@ -22,15 +22,16 @@ static sn_status find_range(const double *value, const char *const *name, int32_
         for (int32_t v = 0; v < n_vert; v++) {
             double x = value[(size_t)i * (size_t)n_vert + (size_t)v];
             if (!isfinite(x))
-                return sn_fail(err, SN_EINVAL, "extract: value of '%s' at vertex %d is not finite", name[i], v + 1);
+                return sn_fail(err, SN_EINVAL, "extract: value of '%s' at vertex %d is not finite", name[i],
+                               v + 1);
             if (x < *lo) *lo = x;
             if (x > *hi) *hi = x;
         }
     return SN_OK;
 }
 
-sn_status xt_grid_build(xt_grid *g, const double *value, const char *const *name, int32_t n_tissue, int32_t n_vert,
-                        const sn_run *run, sn_error *err)
+sn_status xt_grid_build(xt_grid *g, const double *value, const char *const *name, int32_t n_tissue,
+                        int32_t n_vert, const sn_run *run, sn_error *err)
 {
     double lo, hi;
     memset(g, 0, sizeof *g);

@@ -1,9 +1,10 @@
 /* signs.h - exact signs of the small determinants that decide the maximization diagram.
  *
- * Tissue values are integers of at most SN_GRID_BITS bits. Where a determinant is zero, tissue i counts as raised by a
- * constant d_i with d_0 >> d_1 >> ... > 0: ties go to the lower id. A constant shift per function moves every tie set
- * off every other, and a determinant of ties is linear in the shifts, so its sign is that of the first of: the
- * determinant itself, the coefficient of the lowest tissue, of the next, ... that is not zero.
+ * Tissue values are integers of at most SN_GRID_BITS bits. Where a determinant is zero, tissue i counts as
+ * raised by a constant d_i with d_0 >> d_1 >> ... > 0: ties go to the lower id. A constant shift per function
+ * moves every tie set off every other, and a determinant of ties is linear in the shifts, so its sign is that
+ * of the first of: the determinant itself, the coefficient of the lowest tissue, of the next, ... that is not
+ * zero.
  *
  * Rows are differences base - other over the vertices of a simplex. Row r belongs to tissue id[r]. */
 #ifndef SN_EXTRACT_SIGNS_H
@@ -42,7 +43,8 @@ static inline sn_i128 sn_det4(const int64_t p[4], const int64_t q[4], const int6
 #undef M
 }
 
-/* Sign by the shifts: coef[r] is the determinant with row r replaced by ones, which multiplies d_base - d_id[r]. */
+/* Sign by the shifts: coef[r] is the determinant with row r replaced by ones, which multiplies d_base -
+ * d_id[r]. */
 static inline int sn_sign_by_shift(int32_t base, const int32_t *id, const sn_i128 *coef, int n)
 {
     sn_i128 of_base = 0;
@@ -78,7 +80,8 @@ static inline int sn_sign2(int32_t base, const int64_t p[2], const int64_t q[2],
 }
 
 /* det[p; q; r] over the corners of a face. */
-static inline int sn_sign3(int32_t base, const int64_t p[3], const int64_t q[3], const int64_t r[3], const int32_t id[3])
+static inline int sn_sign3(int32_t base, const int64_t p[3], const int64_t q[3], const int64_t r[3],
+                           const int32_t id[3])
 {
     static const int64_t one[3] = {1, 1, 1};
     int s = sn_sign128(sn_det3(p, q, r));
@@ -88,13 +91,14 @@ static inline int sn_sign3(int32_t base, const int64_t p[3], const int64_t q[3],
 }
 
 /* det[p; q; r; t] over the corners of a tet. */
-static inline int sn_sign4(int32_t base, const int64_t p[4], const int64_t q[4], const int64_t r[4], const int64_t t[4],
-                           const int32_t id[4])
+static inline int sn_sign4(int32_t base, const int64_t p[4], const int64_t q[4], const int64_t r[4],
+                           const int64_t t[4], const int32_t id[4])
 {
     static const int64_t one[4] = {1, 1, 1, 1};
     int s = sn_sign128(sn_det4(p, q, r, t));
     if (s) return s;
-    sn_i128 coef[4] = {sn_det4(one, q, r, t), sn_det4(p, one, r, t), sn_det4(p, q, one, t), sn_det4(p, q, r, one)};
+    sn_i128 coef[4] = {sn_det4(one, q, r, t), sn_det4(p, one, r, t), sn_det4(p, q, one, t),
+                       sn_det4(p, q, r, one)};
     return sn_sign_by_shift(base, id, coef, 4);
 }
 

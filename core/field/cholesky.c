@@ -57,8 +57,8 @@ static cholmod_sparse *lower_part(sn_cholesky *c, const sn_csr *a, bool with_val
     return s;
 }
 
-/* With two threads OpenBLAS cuts its work elsewhere and the last bits change, while 43,000 unknowns are factorized no
- * faster (0.6 s). */
+/* With two threads OpenBLAS cuts its work elsewhere and the last bits change, while 43,000 unknowns are
+ * factorized no faster (0.6 s). */
 static void use_one_thread(void)
 {
     openblas_set_num_threads(1);
@@ -74,8 +74,8 @@ static void set_up(cholmod_common *c)
     c->postorder = 1;
 }
 
-sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n, const sn_run *run,
-                             sn_error *err)
+sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
+                             const sn_run *run, sn_error *err)
 {
     *out = NULL;
     if (n < 1) return sn_fail(err, SN_EINVAL, "cholesky: the matrix has no rows");
@@ -129,14 +129,20 @@ sn_status sn_cholesky_factorize(sn_cholesky *c, const sn_csr *a, const sn_run *r
     cholmod_l_free_sparse(&s, &c->common);
     if (!ok || c->common.status < 0) return fail_by_status(&c->common, "factorization", err);
     if (c->common.status == CHOLMOD_NOT_POSDEF || c->factor->minor < c->factor->n)
-        return sn_fail(err, SN_ESOLVE, "the matrix is not positive definite (column %zu of %d)", c->factor->minor, c->n);
+        return sn_fail(err, SN_ESOLVE, "the matrix is not positive definite (column %zu of %d)",
+                       c->factor->minor, c->n);
     return sn_run_step(run, "factorizing", 1.0, err);
 }
 
 sn_status sn_cholesky_solve(sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run, sn_error *err)
 {
-    cholmod_dense b = {.nrow = (size_t)c->n, .ncol = (size_t)n_rhs, .nzmax = (size_t)c->n * (size_t)n_rhs,
-                       .d = (size_t)c->n, .x = x, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+    cholmod_dense b = {.nrow = (size_t)c->n,
+                       .ncol = (size_t)n_rhs,
+                       .nzmax = (size_t)c->n * (size_t)n_rhs,
+                       .d = (size_t)c->n,
+                       .x = x,
+                       .xtype = CHOLMOD_REAL,
+                       .dtype = CHOLMOD_DOUBLE};
     cholmod_dense *result = NULL;
     sn_status st = sn_run_step(run, "solving", -1.0, err);
     if (st) return st;

@@ -82,8 +82,8 @@ static int gather_row(const sn_tet_mesh *m, const sn_vertex_tets *around, int32_
     return n;
 }
 
-static sn_status build_pattern(sn_csr *a, const sn_tet_mesh *m, const sn_vertex_tets *around, const sn_run *run,
-                               sn_error *err)
+static sn_status build_pattern(sn_csr *a, const sn_tet_mesh *m, const sn_vertex_tets *around,
+                               const sn_run *run, sn_error *err)
 {
     bool too_many = false;
     a->n = m->n_vert;

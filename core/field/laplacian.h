@@ -1,7 +1,7 @@
 /* laplacian.h - the linear finite-element (cotangent) Laplacian of a tet mesh, in normalized lengths.
  *
- * Lengths are divided by the box diagonal of the mesh, so that the matrix - and with it every field - is the same in
- * metres and in millimetres. */
+ * Lengths are divided by the box diagonal of the mesh, so that the matrix - and with it every field - is the
+ * same in metres and in millimetres. */
 #ifndef SN_FIELD_LAPLACIAN_H
 #define SN_FIELD_LAPLACIAN_H
 
@@ -10,10 +10,11 @@
 
 #include <stdint.h>
 
-typedef struct sn_csr {   /* open; a symmetric matrix stored whole: row i holds its entries by ascending column */
-    int64_t *ptr;         /* n + 1                                     */
-    int32_t *idx;         /* ptr[n]                                    */
-    double *val;          /* ptr[n]                                    */
+typedef struct sn_csr { /* open; a symmetric matrix stored whole: row i holds its entries by ascending column
+                         */
+    int64_t *ptr;       /* n + 1                                     */
+    int32_t *idx;       /* ptr[n]                                    */
+    double *val;        /* ptr[n]                                    */
     int32_t n;
 } sn_csr;
 void sn_csr_free(sn_csr *a);

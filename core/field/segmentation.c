@@ -1,7 +1,7 @@
 #include "field/segmentation.h"
 
-void sn_tissue_values(const sn_tet_mesh *m, const double *field, int32_t n_tissue, int32_t i_tet, const double bary[4],
-                      double *out)
+void sn_tissue_values(const sn_tet_mesh *m, const double *field, int32_t n_tissue, int32_t i_tet,
+                      const double bary[4], double *out)
 {
     const int32_t *t = m->tet + 4 * (size_t)i_tet;
     for (int32_t i = 0; i < n_tissue; i++) {

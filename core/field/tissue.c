@@ -34,7 +34,8 @@ static sn_status number_unknowns(sn_tissue_solver *s, sn_error *err)
     for (int32_t v = 0; v < m->n_vert; v++)
         if (s->number[v] >= 0) s->number[v] = s->n_free++;
     if (s->n_free > 0) return SN_OK;
-    return sn_fail(err, SN_ESOLVE, "the tet mesh has no vertex off the skin: mesh with a smaller edge length");
+    return sn_fail(err, SN_ESOLVE,
+                   "the tet mesh has no vertex off the skin: mesh with a smaller edge length");
 }
 
 static sn_status copy_pattern(sn_csr *out, const sn_csr *a, sn_error *err)
@@ -50,7 +51,8 @@ static sn_status copy_pattern(sn_csr *out, const sn_csr *a, sn_error *err)
     return SN_OK;
 }
 
-sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, const sn_run *run, sn_error *err)
+sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, const sn_run *run,
+                                  sn_error *err)
 {
     *out = NULL;
     sn_tissue_solver *s = SN_NEW_ZERO(sn_tissue_solver, 1);
@@ -92,7 +94,8 @@ static void assemble(sn_tissue_solver *s)
             const int32_t *v = m->tet + 4 * (size_t)s->row[i]->tet[r];
             const double *w = s->row[i]->bary + 4 * (size_t)r;
             for (int a = 0; a < 4; a++)
-                for (int b = 0; b < 4; b++) s->matrix.val[sn_csr_find(&s->matrix, v[a], v[b])] += s->alpha * w[a] * w[b];
+                for (int b = 0; b < 4; b++)
+                    s->matrix.val[sn_csr_find(&s->matrix, v[a], v[b])] += s->alpha * w[a] * w[b];
         }
 }
 
@@ -147,9 +150,10 @@ static void tissue_rhs(const sn_tissue_solver *s, int32_t tissue, double fat, do
         muscle_rhs(s, tissue - 1, b);
 }
 
-/* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place): A includes the skin columns, so b
- * is only the data term. */
-static double residual_of(const sn_tissue_solver *s, int32_t tissue, double fat, const double *field, double *b)
+/* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place): A includes the skin
+ * columns, so b is only the data term. */
+static double residual_of(const sn_tissue_solver *s, int32_t tissue, double fat, const double *field,
+                          double *b)
 {
     double worst = 0.0, largest = 0.0;
     tissue_rhs(s, tissue, fat, b);
@@ -164,8 +168,8 @@ static double residual_of(const sn_tissue_solver *s, int32_t tissue, double fat,
     return largest > 0.0 ? worst / largest : worst;
 }
 
-static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t n, double fat, const sn_run *run,
-                             double *x, double *field, sn_error *err)
+static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t n, double fat,
+                             const sn_run *run, double *x, double *field, sn_error *err)
 {
     size_t n_vert = (size_t)s->body->mesh.n_vert;
     int threads = sn_run_threads(run);
@@ -177,15 +181,16 @@ static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(max : worst)
     for (int32_t k = 0; k < n; k++) {
         double *f = field + (size_t)tissue[k] * n_vert, *b = x + (size_t)k * (size_t)s->n_free;
-        for (size_t v = 0; v < n_vert; v++) f[v] = s->number[v] >= 0 ? b[s->number[v]] : tissue[k] == 0 ? fat : 0.0;
+        for (size_t v = 0; v < n_vert; v++)
+            f[v] = s->number[v] >= 0 ? b[s->number[v]] : tissue[k] == 0 ? fat : 0.0;
         worst = fmax(worst, residual_of(s, tissue[k], fat, f, b));
     }
     s->report.residual = fmax(s->report.residual, worst);
     return SN_OK;
 }
 
-sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted, const sn_run *run, double *field,
-                                 sn_error *err)
+sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted, const sn_run *run,
+                                 double *field, sn_error *err)
 {
     if (!(fat >= 0.0 && isfinite(fat))) return sn_fail(err, SN_EINVAL, "fat is %g, need >= 0", fat);
     if (!s->has_factor) return sn_fail(err, SN_EINVAL, "tissue: no curves set");

@@ -30,8 +30,8 @@ typedef struct sn_mesh_check {
 SN_MUST_USE sn_status sn_mesh_check_run(sn_mesh_check *out, const sn_tri_mesh *m, const sn_run *run,
                                         sn_error *err);
 
-/* Only the fields that follow from the indices: closed to nonmanifold_vertices, and unused_vertices; the others are 0.
- * O(n log n). Errors: SN_ENOMEM. */
+/* Only the fields that follow from the indices: closed to nonmanifold_vertices, and unused_vertices; the
+ * others are 0. O(n log n). Errors: SN_ENOMEM. */
 SN_MUST_USE sn_status sn_mesh_check_topology(sn_mesh_check *out, const sn_tri_mesh *m, sn_error *err);
 
 /* Faces connected through edges: comp[f] in [0, *n_comp), numbered by lowest face. comp: n_face, caller's.

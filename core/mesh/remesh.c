@@ -7,15 +7,15 @@
 
 #include <string.h>
 
-#define MAX_LABEL 0xffffff        /* tables by label stay small                                           */
-#define MAX_RING 48               /* vertices of a higher valence are left alone                          */
-#define SPLIT_ABOVE (4.0 / 3.0)   /* of the target length: Botsch and Kobbelt's bounds                    */
+#define MAX_LABEL 0xffffff      /* tables by label stay small                                           */
+#define MAX_RING 48             /* vertices of a higher valence are left alone                          */
+#define SPLIT_ABOVE (4.0 / 3.0) /* of the target length: Botsch and Kobbelt's bounds                    */
 #define COLLAPSE_BELOW (4.0 / 5.0)
-#define TINY_EDGE 0.05            /* of the target length: such an edge goes even if others get long      */
-#define SLIVER 0.15               /* height over base of a cap that a split of its base may cure          */
-#define CREASE_COS 0.6            /* an edge bent by more than 53 degrees is kept as a crease             */
-#define CREASE_HEIGHT 0.02        /* of the target length: lower triangles do not tell where creases are      */
-#define KEEP_NORMAL_COS 0.6       /* no step turns a sound triangle by more than this                     */
+#define TINY_EDGE 0.05      /* of the target length: such an edge goes even if others get long      */
+#define SLIVER 0.15         /* height over base of a cap that a split of its base may cure          */
+#define CREASE_COS 0.6      /* an edge bent by more than 53 degrees is kept as a crease             */
+#define CREASE_HEIGHT 0.02  /* of the target length: lower triangles do not tell where creases are      */
+#define KEEP_NORMAL_COS 0.6 /* no step turns a sound triangle by more than this                     */
 #define VOLUME_PASSES 2
 #define DEFAULT_ITERATIONS 6
 #define DEFAULT_DEVIATION 0.08
@@ -112,8 +112,8 @@ static bool crosses_anything(const remesher *r, const patch *p)
 
 static double distance_to_input(const remesher *r, sn_vec3 p, int32_t label)
 {
-    sn_closest c = sn_bvh_mesh(r->input)->label ? sn_bvh_closest_label(r->input, p, label)
-                                                : sn_bvh_closest(r->input, p);
+    sn_closest c =
+        sn_bvh_mesh(r->input)->label ? sn_bvh_closest_label(r->input, p, label) : sn_bvh_closest(r->input, p);
     return c.dist;
 }
 
@@ -158,7 +158,8 @@ static sn_status split_at(remesher *r, int32_t h, sn_vec3 p, sn_error *err)
     return SN_OK;
 }
 
-/* Where a cap's base should be split so that its top can fall onto it; false when h is not a base of a cap. */
+/* Where a cap's base should be split so that its top can fall onto it; false when h is not a base of a cap.
+ */
 static bool cap_foot(const remesher *r, int32_t h, sn_vec3 *foot)
 {
     const rm_mesh *m = &r->mesh;
@@ -192,8 +193,8 @@ static int32_t longest_side(const rm_mesh *m, int32_t t)
     return best;
 }
 
-/* From h across ever longer sides to an edge that is the longest of both its triangles (Rivara 1984): halving that
- * one first keeps the triangles from thinning out, which halving in any order does not. */
+/* From h across ever longer sides to an edge that is the longest of both its triangles (Rivara 1984): halving
+ * that one first keeps the triangles from thinning out, which halving in any order does not. */
 static int32_t edge_to_halve(const rm_mesh *m, int32_t h)
 {
     for (;;) {
@@ -217,7 +218,8 @@ static sn_status split_pass(remesher *r, sn_error *err)
             st = split_at(r, e, sn_v3_lerp(m->pos[m->vert[e]], m->pos[m->vert[rm_next(e)]], 0.5), err);
         }
         double length = edge_len(m, h);
-        if (!st && h < n_before && is_border(m, h) && length > TINY_EDGE * edge_target(r, h) && cap_foot(r, h, &foot))
+        if (!st && h < n_before && is_border(m, h) && length > TINY_EDGE * edge_target(r, h) &&
+            cap_foot(r, h, &foot))
             st = split_at(r, h, foot, err);
         if (st) return st;
         if (h % 65536 == 0 && (st = sn_run_step(r->run, "remeshing", -1.0, err))) return st;
@@ -259,7 +261,8 @@ static bool collapse_keeps_shape(const remesher *r, int32_t h, const patch *p, b
         if (p->old[i] == h / 3 || p->old[i] == m->twin[h] / 3) continue;
         triangle was = triangle_at(m, p->old[i]);
         const triangle *now = &p->tri[n++];
-        double limit = SPLIT_ABOVE * target_of(r, now->label), old_shape = shape(&was), new_shape = shape(now);
+        double limit = SPLIT_ABOVE * target_of(r, now->label), old_shape = shape(&was),
+               new_shape = shape(now);
         if (!tiny && longest2(now) > limit * limit) return false;
         if (old_shape > 0.05) {
             sn_vec3 a = normal(&was), b = normal(now);
@@ -270,7 +273,8 @@ static bool collapse_keeps_shape(const remesher *r, int32_t h, const patch *p, b
     return true;
 }
 
-/* A crease's vertex may only slide along it, a corner not at all. Checks that the crease stays where it is, too. */
+/* A crease's vertex may only slide along it, a corner not at all. Checks that the crease stays where it is,
+ * too. */
 static bool collapse_keeps_creases(const remesher *r, int32_t h)
 {
     const rm_mesh *m = &r->mesh;
@@ -425,7 +429,8 @@ static bool move_keeps_shape(const rm_mesh *m, const patch *p)
     for (int i = 0; i < p->n_new; i++) {
         triangle was = triangle_at(m, p->old[i]);
         sn_vec3 a = normal(&was), b = normal(&p->tri[i]);
-        if (shape(&was) > 0.05 && sn_v3_dot(a, b) < KEEP_NORMAL_COS * sn_v3_len(a) * sn_v3_len(b)) return false;
+        if (shape(&was) > 0.05 && sn_v3_dot(a, b) < KEEP_NORMAL_COS * sn_v3_len(a) * sn_v3_len(b))
+            return false;
         before = fmin(before, shape(&was));
         after = fmin(after, shape(&p->tri[i]));
     }
@@ -469,15 +474,16 @@ static sn_status smooth_pass(remesher *r, sn_error *err)
 
 /* ---- volume ---- */
 
-/* What a polyhedron's facets lose at its ridges when vertices move off them adds up: thin bones would shrink by some
- * percent. Each label's patch is moved along its normals by the lost volume over its area. */
+/* What a polyhedron's facets lose at its ridges when vertices move off them adds up: thin bones would shrink
+ * by some percent. Each label's patch is moved along its normals by the lost volume over its area. */
 typedef struct patch_size {
     double volume, area; /* volume: of the cone from the origin below; only differences mean something */
 } patch_size;
 
 static void add_triangle(patch_size *s, const triangle *t, sn_vec3 origin)
 {
-    s->volume += sn_v3_det(sn_v3_sub(t->p[0], origin), sn_v3_sub(t->p[1], origin), sn_v3_sub(t->p[2], origin)) / 6.0;
+    s->volume +=
+        sn_v3_det(sn_v3_sub(t->p[0], origin), sn_v3_sub(t->p[1], origin), sn_v3_sub(t->p[2], origin)) / 6.0;
     s->area += 0.5 * sn_v3_len(normal(t));
 }
 
@@ -515,7 +521,8 @@ static bool patch_normal(const rm_mesh *m, int32_t v, sn_vec3 *out)
     return true;
 }
 
-static sn_status restore_volume(remesher *r, const patch_size *want, int32_t n_label, sn_vec3 origin, sn_error *err)
+static sn_status restore_volume(remesher *r, const patch_size *want, int32_t n_label, sn_vec3 origin,
+                                sn_error *err)
 {
     rm_mesh *m = &r->mesh;
     sn_status st = SN_OK;
@@ -527,7 +534,8 @@ static sn_status restore_volume(remesher *r, const patch_size *want, int32_t n_l
             if (m->out[v] < 0 || !patch_normal(m, v, &n)) continue;
             int32_t label = m->label[m->out[v] / 3];
             double most = r->deviation * target_of(r, label);
-            double d = now[label].area > 0.0 ? (want[label].volume - now[label].volume) / now[label].area : 0.0;
+            double d =
+                now[label].area > 0.0 ? (want[label].volume - now[label].volume) / now[label].area : 0.0;
             d = fmax(-most, fmin(most, d));
             if (fabs(d) > 1e-6 * most) st = try_move(r, v, sn_v3_mad(m->pos[v], d, n), err);
         }
@@ -544,7 +552,8 @@ static sn_status check_options(const sn_remesh *o, sn_error *err)
         return sn_fail(err, SN_EINVAL, "remesh: edge length is %g, need > 0", o->edge_length);
     for (int32_t i = 0; o->label_length && i < o->n_label; i++)
         if (!(o->label_length[i] > 0.0 && isfinite(o->label_length[i])))
-            return sn_fail(err, SN_EINVAL, "remesh: edge length of label %d is %g, need > 0", i, o->label_length[i]);
+            return sn_fail(err, SN_EINVAL, "remesh: edge length of label %d is %g, need > 0", i,
+                           o->label_length[i]);
     if (o->iterations < 0 || !(o->max_deviation >= 0.0))
         return sn_fail(err, SN_EINVAL, "remesh: iterations and max_deviation must not be negative");
     return SN_OK;
@@ -556,7 +565,8 @@ static sn_status check_input(const sn_tri_mesh *in, sn_error *err)
     if (st) return sn_fail_prefix(err, st, "remesh: ");
     for (int32_t f = 0; in->label && f < in->n_face; f++)
         if (in->label[f] < 0 || in->label[f] > MAX_LABEL)
-            return sn_fail(err, SN_EINVAL, "remesh: label of face %d is %d, need 0..%d", f + 1, in->label[f], MAX_LABEL);
+            return sn_fail(err, SN_EINVAL, "remesh: label of face %d is %d, need 0..%d", f + 1, in->label[f],
+                           MAX_LABEL);
     return SN_OK;
 }
 

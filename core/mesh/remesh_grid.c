@@ -55,7 +55,8 @@ static bool add_to_cell(rm_grid *g, int32_t t, int32_t x, int32_t y, int32_t z)
     if (i >= 0) {
         g->free_link = g->link[i].next;
     } else {
-        if (g->n_link >= INT32_MAX || !sn_grow(&g->link, &g->cap_link, g->n_link + 1, sizeof *g->link)) return false;
+        if (g->n_link >= INT32_MAX || !sn_grow(&g->link, &g->cap_link, g->n_link + 1, sizeof *g->link))
+            return false;
         i = (int32_t)g->n_link++;
     }
     size_t s = slot_of(g, x, y, z);
@@ -162,8 +163,8 @@ static bool crosses_in_cell(const rm_grid *g, const rm_mesh *m, const sn_vec3 p[
     return false;
 }
 
-bool rm_grid_crosses(const rm_grid *g, const rm_mesh *m, const sn_vec3 p[3], const int32_t id[3], const int32_t *skip,
-                     int n_skip)
+bool rm_grid_crosses(const rm_grid *g, const rm_mesh *m, const sn_vec3 p[3], const int32_t id[3],
+                     const int32_t *skip, int n_skip)
 {
     cell_range r = range_of(g, p);
     int32_t c[3];

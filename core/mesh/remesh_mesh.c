@@ -48,7 +48,8 @@ static sn_status pair_half_edges(rm_mesh *m, int32_t *list, sn_error *err)
                 if (found == -1) found = g;
             }
         if (found < 0 || a == b)
-            return sn_fail(err, SN_EMESH, "remesh: edge (%d, %d) is not between two faces that turn alike", a + 1, b + 1);
+            return sn_fail(err, SN_EMESH, "remesh: edge (%d, %d) is not between two faces that turn alike",
+                           a + 1, b + 1);
         if (found > h) continue; /* set from the other side */
         m->twin[h] = found;
         m->twin[found] = h;
@@ -69,7 +70,8 @@ static sn_status check_rings(const rm_mesh *m, int32_t *n_left, sn_error *err)
             h = rm_spin(m, h);
         } while (h != start);
         if (n_left[v] != 0)
-            return sn_fail(err, SN_EMESH, "remesh: parts of the surface touch in vertex %d alone; need a manifold", v + 1);
+            return sn_fail(err, SN_EMESH,
+                           "remesh: parts of the surface touch in vertex %d alone; need a manifold", v + 1);
     }
     return SN_OK;
 }
@@ -81,8 +83,8 @@ static sn_vec3 normal_of(const rm_mesh *m, int32_t t)
     return sn_v3_unit(sn_v3_cross(sn_v3_sub(m->pos[v[1]], a), sn_v3_sub(m->pos[v[2]], a)));
 }
 
-/* The least height of a triangle. The normal of a low one is noise: that of a sliver on a round surface may point
- * anywhere. */
+/* The least height of a triangle. The normal of a low one is noise: that of a sliver on a round surface may
+ * point anywhere. */
 static double height_of(const rm_mesh *m, int32_t t)
 {
     const int32_t *v = m->vert + 3 * (size_t)t;
@@ -97,7 +99,8 @@ static bool is_sharp(const rm_mesh *m, int32_t t, int32_t u, double crease_cos, 
            height_of(m, u) > min_height;
 }
 
-sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, double min_height, sn_error *err)
+sn_status rm_mesh_build(rm_mesh *m, const sn_tri_mesh *in, double crease_cos, double min_height,
+                        sn_error *err)
 {
     memset(m, 0, sizeof *m);
     int32_t *list = SN_NEW(int32_t, 3 * (size_t)in->n_face), *n_left = SN_NEW(int32_t, in->n_vert);
@@ -210,7 +213,8 @@ bool rm_can_collapse(const rm_mesh *m, int32_t h)
             if (m->vert[rm_next(j)] == w) return false;
     }
     int32_t hc = rm_prev(h), hd = rm_prev(g); /* c -> a, d -> b */
-    if (rm_spin(m, rm_spin(m, rm_spin(m, hc))) == hc || rm_spin(m, rm_spin(m, rm_spin(m, hd))) == hd) return false;
+    if (rm_spin(m, rm_spin(m, rm_spin(m, hc))) == hc || rm_spin(m, rm_spin(m, rm_spin(m, hd))) == hd)
+        return false;
     (void)a;
     (void)b;
     return true;

@@ -65,8 +65,8 @@ sn_status sn_tet_mesh_validate(const sn_tet_mesh *m, sn_error *err)
         for (int k = 0; k < 4; k++) {
             int32_t v = m->tet[4 * (size_t)t + (size_t)k];
             if (v < 0 || v >= m->n_vert)
-                return sn_fail(err, SN_EINVAL, "tet %d names vertex %lld, need 1..%d", t + 1, (long long)v + 1,
-                               m->n_vert);
+                return sn_fail(err, SN_EINVAL, "tet %d names vertex %lld, need 1..%d", t + 1,
+                               (long long)v + 1, m->n_vert);
         }
         double vol = sn_tet_mesh_tet_volume(m, t);
         if (!(vol > 0.0)) return sn_fail(err, SN_EINVAL, "tet %d has volume %g, need > 0", t + 1, vol);
@@ -88,11 +88,13 @@ double sn_tet_mesh_volume(const sn_tet_mesh *m)
     return sum;
 }
 
-/* Faces are bucketed by their smallest vertex (counting sort), then matched inside the bucket, which is short. */
+/* Faces are bucketed by their smallest vertex (counting sort), then matched inside the bucket, which is
+ * short. */
 sn_status sn_tet_mesh_adjacency(const sn_tet_mesh *m, int32_t **out, sn_error *err)
 {
     size_t n_half = 4 * (size_t)m->n_tet;
-    int32_t *adj = SN_NEW(int32_t, n_half), *next = SN_NEW(int32_t, n_half), *mid = SN_NEW(int32_t, 2 * n_half);
+    int32_t *adj = SN_NEW(int32_t, n_half), *next = SN_NEW(int32_t, n_half),
+            *mid = SN_NEW(int32_t, 2 * n_half);
     int32_t *head = SN_NEW(int32_t, m->n_vert);
     sn_status st = SN_OK;
     *out = NULL;
@@ -115,8 +117,8 @@ sn_status sn_tet_mesh_adjacency(const sn_tet_mesh *m, int32_t **out, sn_error *e
             next[h] = head[v[0]];
             head[v[0]] = (int32_t)h;
         } else if (adj[g] >= 0) {
-            st = sn_fail(err, SN_EINVAL, "tet mesh: face (%d, %d, %d) belongs to more than two tets", v[0] + 1,
-                         v[1] + 1, v[2] + 1);
+            st = sn_fail(err, SN_EINVAL, "tet mesh: face (%d, %d, %d) belongs to more than two tets",
+                         v[0] + 1, v[1] + 1, v[2] + 1);
             goto done;
         } else {
             adj[g] = (int32_t)(h >> 2);
@@ -171,7 +173,8 @@ sn_status sn_tet_mesh_surface_adj(const sn_tet_mesh *m, const int32_t *adj, int3
     }
     int32_t n_vert = number_used(used, m->n_vert);
     map = SN_NEW(int32_t, n_vert);
-    sn_status st = map ? sn_tri_mesh_reserve(out, n_vert, n_face, err) : sn_fail(err, SN_ENOMEM, "surface: no memory");
+    sn_status st =
+        map ? sn_tri_mesh_reserve(out, n_vert, n_face, err) : sn_fail(err, SN_ENOMEM, "surface: no memory");
     if (st) goto done;
     for (int32_t v = 0; v < m->n_vert; v++)
         if (used[v] >= 0) {
@@ -179,7 +182,8 @@ sn_status sn_tet_mesh_surface_adj(const sn_tet_mesh *m, const int32_t *adj, int3
             memcpy(out->pos + 3 * (size_t)used[v], m->pos + 3 * (size_t)v, 3 * sizeof *m->pos);
         }
     for (size_t h = 0; h < n_half; h++)
-        for (int k = 0; k < 3 && is_outer(m, adj, h, part_id); k++) out->face[n++] = used[half_face_vertex(m, h, k)];
+        for (int k = 0; k < 3 && is_outer(m, adj, h, part_id); k++)
+            out->face[n++] = used[half_face_vertex(m, h, k)];
     if (v_map) {
         *v_map = map;
         map = NULL;
@@ -190,7 +194,8 @@ done:
     return st;
 }
 
-sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map, sn_error *err)
+sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map,
+                              sn_error *err)
 {
     int32_t *adj = NULL;
     if (v_map) *v_map = NULL;

@@ -22,12 +22,13 @@ typedef struct sn_tet_mesh { /* open: kernels read the arrays directly */
 
 void sn_tet_mesh_init(sn_tet_mesh *m);
 void sn_tet_mesh_free(sn_tet_mesh *m);
-/* Room for n_vert and n_tet (values not set; parts only when has_parts). On error m is empty. Errors: SN_ENOMEM. */
+/* Room for n_vert and n_tet (values not set; parts only when has_parts). On error m is empty. Errors:
+ * SN_ENOMEM. */
 SN_MUST_USE sn_status sn_tet_mesh_reserve(sn_tet_mesh *m, int32_t n_vert, int32_t n_tet, bool has_parts,
                                           sn_error *err);
 SN_MUST_USE sn_status sn_tet_mesh_copy(sn_tet_mesh *out, const sn_tet_mesh *m, sn_error *err);
-/* Indices in range and distinct per tet, coordinates finite, every tet positive, at least one tet. The message names
- * the first breach. O(n). Errors: SN_EINVAL. */
+/* Indices in range and distinct per tet, coordinates finite, every tet positive, at least one tet. The
+ * message names the first breach. O(n). Errors: SN_EINVAL. */
 SN_MUST_USE sn_status sn_tet_mesh_validate(const sn_tet_mesh *m, sn_error *err);
 
 static inline sn_vec3 sn_tet_mesh_point(const sn_tet_mesh *m, int32_t i_vert)
@@ -47,13 +48,14 @@ extern const int sn_tet_face[4][3];
 /* The six edges of a tet as corner pairs, in the order 01 02 03 12 13 23. */
 extern const int sn_tet_edge[6][2];
 
-/* The boundary triangles of the tets with part == part_id (all tets when part_id < 0), outside out; only the vertices used,
- * in index order. v_map (NULL to skip): n_vert of the result, the tet mesh's vertex; by sn_alloc, the caller's. */
-SN_MUST_USE sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out, int32_t **v_map,
-                                          sn_error *err);
+/* The boundary triangles of the tets with part == part_id (all tets when part_id < 0), outside out; only the
+ * vertices used, in index order. v_map (NULL to skip): n_vert of the result, the tet mesh's vertex; by
+ * sn_alloc, the caller's. */
+SN_MUST_USE sn_status sn_tet_mesh_surface(const sn_tet_mesh *m, int32_t part_id, sn_tri_mesh *out,
+                                          int32_t **v_map, sn_error *err);
 /* The same with the adjacency at hand (entries < 0 are the boundary): for many parts of one mesh. */
-SN_MUST_USE sn_status sn_tet_mesh_surface_adj(const sn_tet_mesh *m, const int32_t *adj, int32_t part_id, sn_tri_mesh *out,
-                                              int32_t **v_map, sn_error *err);
+SN_MUST_USE sn_status sn_tet_mesh_surface_adj(const sn_tet_mesh *m, const int32_t *adj, int32_t part_id,
+                                              sn_tri_mesh *out, int32_t **v_map, sn_error *err);
 
 SN_END_DECLS
 

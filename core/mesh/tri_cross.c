@@ -213,8 +213,8 @@ static double margin_of(const tri *s, const tri *t)
     return APART_REL * m;
 }
 
-/* Whether the plane across n through o keeps corners from `from` on of s on its back and those of t on its front;
- * `from` = 1: o is the shared corner; 0: any plane across n will do. */
+/* Whether the plane across n through o keeps corners from `from` on of s on its back and those of t on its
+ * front; `from` = 1: o is the shared corner; 0: any plane across n will do. */
 static bool splits(sn_vec3 n, sn_vec3 o, const tri *s, const tri *t, int from, double margin)
 {
     double high = -INFINITY, low = INFINITY, m = margin * size_of(n);

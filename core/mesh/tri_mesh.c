@@ -58,8 +58,8 @@ sn_status sn_tri_mesh_validate(const sn_tri_mesh *m, sn_error *err)
         for (int k = 0; k < 3; k++) {
             int32_t v = m->face[3 * (size_t)f + (size_t)k];
             if (v < 0 || v >= m->n_vert)
-                return sn_fail(err, SN_EINVAL, "face %d names vertex %lld, need 1..%d", f + 1, (long long)v + 1,
-                               m->n_vert);
+                return sn_fail(err, SN_EINVAL, "face %d names vertex %lld, need 1..%d", f + 1,
+                               (long long)v + 1, m->n_vert);
         }
     return SN_OK;
 }
@@ -125,7 +125,8 @@ sn_status sn_tri_mesh_mirror(sn_tri_mesh *m, sn_vec3 point, sn_vec3 normal, sn_e
 {
     sn_vec3 n = sn_v3_unit(normal);
     if (!sn_v3_is_finite(point) || !sn_v3_is_finite(n) || sn_v3_len2(n) == 0.0)
-        return sn_fail(err, SN_EINVAL, "mirror: the plane needs a finite point and a normal that is not zero");
+        return sn_fail(err, SN_EINVAL,
+                       "mirror: the plane needs a finite point and a normal that is not zero");
     for (int32_t i = 0; i < m->n_vert; i++) {
         sn_vec3 p = sn_tri_mesh_point(m, i);
         sn_v3_store(m->pos + 3 * (size_t)i, sn_v3_mad(p, -2.0 * sn_v3_dot(n, sn_v3_sub(p, point)), n));

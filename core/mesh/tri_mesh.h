@@ -25,7 +25,8 @@ void sn_tri_mesh_free(sn_tri_mesh *m); /* releases and re-inits; fine on empty, 
 SN_MUST_USE sn_status sn_tri_mesh_reserve(sn_tri_mesh *m, int32_t n_vert, int32_t n_face, sn_error *err);
 /* Deep copy into an init-ed mesh. Errors: SN_ENOMEM; out is then empty. */
 SN_MUST_USE sn_status sn_tri_mesh_copy(sn_tri_mesh *out, const sn_tri_mesh *m, sn_error *err);
-/* Indices in range, coordinates finite, at least one face. The message names the first breach. O(n). SN_EINVAL. */
+/* Indices in range, coordinates finite, at least one face. The message names the first breach. O(n).
+ * SN_EINVAL. */
 SN_MUST_USE sn_status sn_tri_mesh_validate(const sn_tri_mesh *m, sn_error *err);
 
 static inline sn_vec3 sn_tri_mesh_point(const sn_tri_mesh *m, int32_t i_vert)
@@ -34,14 +35,14 @@ static inline sn_vec3 sn_tri_mesh_point(const sn_tri_mesh *m, int32_t i_vert)
 }
 sn_box3 sn_tri_mesh_bounds(const sn_tri_mesh *m); /* of all vertices; empty for no vertices */
 double sn_tri_mesh_area(const sn_tri_mesh *m);
-double sn_tri_mesh_volume(const sn_tri_mesh *m);  /* signed; meaningful for closed surfaces */
+double sn_tri_mesh_volume(const sn_tri_mesh *m); /* signed; meaningful for closed surfaces */
 sn_vec3 sn_tri_mesh_face_normal(const sn_tri_mesh *m, int32_t i_face); /* length = twice the area */
 
 /* In place: p -> R(p * scale) + translate, R about the origin by angle_deg around axis (axis 0: no rotation).
  * A negative scale would turn the surface inside out: SN_EINVAL unless scale is finite and > 0. */
 typedef struct sn_transform {
-    double scale;          /* > 0                 */
-    sn_vec3 axis;          /* any length, 0: none */
+    double scale; /* > 0                 */
+    sn_vec3 axis; /* any length, 0: none */
     double angle_deg;
     sn_vec3 translate;
 } sn_transform;

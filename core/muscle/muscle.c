@@ -16,11 +16,13 @@ void sn_muscle_free(sn_muscle *m)
 static sn_status check_tissue(const char *name, int32_t i_point, double value, sn_error *err)
 {
     if (value > 0.0 && isfinite(value)) return SN_OK;
-    return sn_fail(err, SN_EINVAL, "muscle '%s': tissue of point %d is %g, need > 0", name, i_point + 1, value);
+    return sn_fail(err, SN_EINVAL, "muscle '%s': tissue of point %d is %g, need > 0", name, i_point + 1,
+                   value);
 }
 
 /* Takes new points and tissues (n of them, by sn_alloc) when they make a curve; releases them when not. */
-static sn_status adopt(sn_muscle *m, const char *name, double *point, double *tissue, int32_t n, sn_error *err)
+static sn_status adopt(sn_muscle *m, const char *name, double *point, double *tissue, int32_t n,
+                       sn_error *err)
 {
     sn_spline spline = {0};
     sn_status st = sn_spline_build(&spline, point, n, err);
@@ -137,8 +139,8 @@ void sn_collocation_free(sn_collocation *c)
     memset(c, 0, sizeof *c);
 }
 
-sn_status sn_collocate(const sn_muscle *m, const sn_body *b, const sn_locator *l, sn_collocation *out, sn_notes *notes,
-                       sn_error *err)
+sn_status sn_collocate(const sn_muscle *m, const sn_body *b, const sn_locator *l, sn_collocation *out,
+                       sn_notes *notes, sn_error *err)
 {
     sn_trace trace = {0};
     sn_collocation_free(out);
@@ -146,7 +148,8 @@ sn_status sn_collocate(const sn_muscle *m, const sn_body *b, const sn_locator *l
     if (st) return sn_fail_prefix(err, st, "muscle '%s': ", m->name);
     if (trace.n_piece == 0) {
         sn_trace_free(&trace);
-        return sn_fail(err, SN_EINVAL, "muscle '%s': its curve never enters the soft tissue inside the skin", m->name);
+        return sn_fail(err, SN_EINVAL, "muscle '%s': its curve never enters the soft tissue inside the skin",
+                       m->name);
     }
     out->n_row = (int32_t)trace.n_piece;
     out->tet = SN_NEW(int32_t, out->n_row);
@@ -167,8 +170,8 @@ sn_status sn_collocate(const sn_muscle *m, const sn_body *b, const sn_locator *l
     }
     double length = sn_spline_length(&m->spline);
     if (!st && trace.length_outside > SN_LENGTH_LOST_REL * length)
-        sn_notes_add(notes, "muscle '%s': %g of its curve's %g lies outside the soft tissue and is not used", m->name,
-                     trace.length_outside, length);
+        sn_notes_add(notes, "muscle '%s': %g of its curve's %g lies outside the soft tissue and is not used",
+                     m->name, trace.length_outside, length);
     sn_trace_free(&trace);
     return st;
 }

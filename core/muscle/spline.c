@@ -16,7 +16,8 @@ static sn_vec3 point_at(const double *point, int32_t n, int32_t i)
 {
     if (i >= 0 && i < n) return sn_v3_load(point + 3 * (size_t)i);
     int32_t end = i < 0 ? 0 : n - 1, inner = i < 0 ? 1 : n - 2;
-    return sn_v3_sub(sn_v3_scale(2.0, sn_v3_load(point + 3 * (size_t)end)), sn_v3_load(point + 3 * (size_t)inner));
+    return sn_v3_sub(sn_v3_scale(2.0, sn_v3_load(point + 3 * (size_t)end)),
+                     sn_v3_load(point + 3 * (size_t)inner));
 }
 
 /* Tangent at p1 of the non-uniform spline, times the length d1 of the span it is used in. */
@@ -33,7 +34,8 @@ static sn_cubic segment(const double *point, int32_t n, int32_t i)
     double d[3];
     for (int k = 0; k < 4; k++) p[k] = point_at(point, n, i - 1 + k);
     for (int k = 0; k < 3; k++) d[k] = sqrt(sn_v3_dist(p[k], p[k + 1]));
-    sn_vec3 m1 = tangent(p[0], p[1], p[2], d[0], d[1], d[1]), m2 = tangent(p[1], p[2], p[3], d[1], d[2], d[1]);
+    sn_vec3 m1 = tangent(p[0], p[1], p[2], d[0], d[1], d[1]),
+            m2 = tangent(p[1], p[2], p[3], d[1], d[2], d[1]);
     sn_vec3 chord = sn_v3_sub(p[2], p[1]);
     sn_cubic c;
     c.c[0] = p[1];
@@ -49,7 +51,8 @@ static sn_status check_points(const double *point, int32_t n, sn_error *err)
     for (int32_t i = 0; i < n; i++) {
         if (!sn_v3_is_finite(sn_v3_load(point + 3 * (size_t)i)))
             return sn_fail(err, SN_EINVAL, "point %d has a coordinate that is not finite", i + 1);
-        if (i > 0 && !(sn_v3_dist(sn_v3_load(point + 3 * (size_t)i), sn_v3_load(point + 3 * (size_t)(i - 1))) > 0.0))
+        if (i > 0 &&
+            !(sn_v3_dist(sn_v3_load(point + 3 * (size_t)i), sn_v3_load(point + 3 * (size_t)(i - 1))) > 0.0))
             return sn_fail(err, SN_EINVAL, "points %d and %d of a curve are equal", i, i + 1);
     }
     return SN_OK;

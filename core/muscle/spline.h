@@ -1,20 +1,21 @@
 /* spline.h - centripetal Catmull-Rom splines through control points [A 3.2].
  *
- * Centripetal (knots spaced by the square root of the chord): no loops or cusps inside a span, however uneven the points
- * (Yuksel et al. 2011). The end tangents come from a reflected extra point. Two points give the straight line. */
+ * Centripetal (knots spaced by the square root of the chord): no loops or cusps inside a span, however uneven
+ * the points (Yuksel et al. 2011). The end tangents come from a reflected extra point. Two points give the
+ * straight line. */
 #ifndef SN_MUSCLE_SPLINE_H
 #define SN_MUSCLE_SPLINE_H
 
 #include "tetra/trace.h"
 
-typedef struct sn_spline {   /* open */
-    sn_cubic *seg;           /* n_seg = points - 1, owned                              */
-    double *arc;             /* n_seg + 1: length up to each control point, owned      */
+typedef struct sn_spline { /* open */
+    sn_cubic *seg;         /* n_seg = points - 1, owned                              */
+    double *arc;           /* n_seg + 1: length up to each control point, owned      */
     int32_t n_seg;
 } sn_spline;
 
-/* point: n x 3, n >= 2, finite, neighbours distinct. s: zero-initialised or filled. Errors: SN_EINVAL (names the point,
- * counted from 1), SN_ENOMEM. */
+/* point: n x 3, n >= 2, finite, neighbours distinct. s: zero-initialised or filled. Errors: SN_EINVAL (names
+ * the point, counted from 1), SN_ENOMEM. */
 SN_MUST_USE sn_status sn_spline_build(sn_spline *s, const double *point, int32_t n, sn_error *err);
 void sn_spline_free(sn_spline *s);
 double sn_spline_length(const sn_spline *s);

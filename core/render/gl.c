@@ -2,6 +2,7 @@
 
 #include "render/context.h"
 
+#include <stdint.h>
 #include <string.h>
 
 sn_status sn_gl_load(sn_gl *gl, sn_error *err)
@@ -92,7 +93,7 @@ GLuint sn_gl_vertex_array(const sn_gl *gl, int n_attrib, const float *data, size
     for (int i = 0; i < n_attrib; i++) {
         gl->EnableVertexAttribArray((GLuint)i);
         gl->VertexAttribPointer((GLuint)i, 3, GL_FLOAT, GL_FALSE, (GLsizei)stride,
-                                (const char *)NULL + 3 * sizeof *data * (size_t)i);
+                                (const void *)(uintptr_t)(3 * sizeof *data * (size_t)i));
     }
     return a;
 }

@@ -152,7 +152,8 @@ static sn_status new_bone_name(const sn_scene *s, const char *name, sn_error *er
 {
     sn_status st = sn_check_name("bone", name, err);
     for (int32_t i = 0; !st && i < s->n_bone; i++)
-        if (strcmp(s->bone[i].name, name) == 0) st = sn_fail(err, SN_EINVAL, "there is a bone '%s' already", name);
+        if (strcmp(s->bone[i].name, name) == 0)
+            st = sn_fail(err, SN_EINVAL, "there is a bone '%s' already", name);
     return st;
 }
 
@@ -244,7 +245,8 @@ double sn_scene_alpha(const sn_scene *s)
 static sn_status new_muscle_name(const sn_scene *s, const char *name, sn_error *err)
 {
     sn_status st = sn_check_name("muscle", name, err);
-    if (!st && strcmp(name, "fat") == 0) st = sn_fail(err, SN_EINVAL, "'fat' is no name for a muscle: it is tissue 0");
+    if (!st && strcmp(name, "fat") == 0)
+        st = sn_fail(err, SN_EINVAL, "'fat' is no name for a muscle: it is tissue 0");
     for (int32_t i = 0; !st && i < s->n_muscle; i++)
         if (strcmp(s->muscle[i]->muscle.name, name) == 0)
             st = sn_fail(err, SN_EINVAL, "there is a muscle '%s' already", name);
@@ -260,14 +262,16 @@ static void stale_set(sn_scene *s)
     s->has_field = false;
 }
 
-sn_status sn_scene_add_muscle(sn_scene *s, const char *name, const double *point, const double *tissue, int32_t n,
-                              sn_error *err)
+sn_status sn_scene_add_muscle(sn_scene *s, const char *name, const double *point, const double *tissue,
+                              int32_t n, sn_error *err)
 {
     sn_status st = new_muscle_name(s, name, err);
     if (st) return st;
     if (s->n_muscle + 1 >= SN_MAX_TISSUES)
-        return sn_fail(err, SN_EINVAL, "muscle '%s': the scene has %d, the most it can hold", name, s->n_muscle);
-    if (!sn_grow(&s->muscle, &s->cap_muscle, (size_t)s->n_muscle + 1, sizeof *s->muscle)) return no_memory(err);
+        return sn_fail(err, SN_EINVAL, "muscle '%s': the scene has %d, the most it can hold", name,
+                       s->n_muscle);
+    if (!sn_grow(&s->muscle, &s->cap_muscle, (size_t)s->n_muscle + 1, sizeof *s->muscle))
+        return no_memory(err);
     scene_muscle *m = SN_NEW_ZERO(scene_muscle, 1);
     if (!m) return no_memory(err);
     st = sn_muscle_init(&m->muscle, name, point, tissue, n, err);
@@ -313,13 +317,14 @@ const sn_muscle *sn_scene_muscle(const sn_scene *s, int32_t i_muscle)
 }
 
 /* Index checks in one place; `last` is the largest allowed. */
-static sn_status check_index(const sn_scene *s, int32_t i_muscle, int32_t i_point, int32_t last, sn_error *err)
+static sn_status check_index(const sn_scene *s, int32_t i_muscle, int32_t i_point, int32_t last,
+                             sn_error *err)
 {
     if (i_muscle < 0 || i_muscle >= s->n_muscle)
         return sn_fail(err, SN_EINVAL, "muscle %d, need 1..%d", i_muscle + 1, s->n_muscle);
     if (i_point < 0 || i_point > last)
-        return sn_fail(err, SN_EINVAL, "muscle '%s': point %d, need 1..%d", s->muscle[i_muscle]->muscle.name, i_point + 1,
-                       last + 1);
+        return sn_fail(err, SN_EINVAL, "muscle '%s': point %d, need 1..%d", s->muscle[i_muscle]->muscle.name,
+                       i_point + 1, last + 1);
     return SN_OK;
 }
 
@@ -342,7 +347,8 @@ sn_status sn_scene_set_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_
     return st;
 }
 
-sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p, double tissue, sn_error *err)
+sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p, double tissue,
+                                sn_error *err)
 {
     sn_status st = check_index(s, i_muscle, i_point, last_point(s, i_muscle) + 1, err);
     if (!st) st = sn_muscle_insert_point(&s->muscle[i_muscle]->muscle, i_point, p, tissue, err);

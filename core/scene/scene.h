@@ -1,7 +1,9 @@
-/* scene.h - the document: skin, bones, muscles, and everything computed from them. The only place that knows what is
- * stale: an edit marks its step and every later one; `solve`, `render` and `extract` first bring up to date what they need.
+/* scene.h - the document: skin, bones, muscles, and everything computed from them. The only place that knows
+ * what is stale: an edit marks its step and every later one; `solve`, `render` and `extract` first bring up
+ * to date what they need.
  *
- *     skin | bones -> body (tets) -> curves (collocation, factor) -> values (right-hand sides) -> picture, extraction
+ *     skin | bones -> body (tets) -> curves (collocation, factor) -> values (right-hand sides) -> picture,
+ * extraction
  *
  * On an error the scene is as before the call. Names of bones and muscles: 1..64 bytes, no '/' and no control
  * characters; each name once among the bones and once among the muscles; "fat" is taken. */
@@ -18,7 +20,8 @@
 typedef struct sn_scene sn_scene; /* opaque; one thread at a time */
 
 /* unit: "m", "mm", "cm" ...: for files and reports only. Errors: SN_EINVAL, SN_ENOMEM. */
-SN_MUST_USE sn_status sn_scene_create(sn_scene **out, const char *name, const char *unit, sn_up up, sn_error *err);
+SN_MUST_USE sn_status sn_scene_create(sn_scene **out, const char *name, const char *unit, sn_up up,
+                                      sn_error *err);
 void sn_scene_destroy(sn_scene *s); /* NULL is fine */
 const char *sn_scene_name(const sn_scene *s);
 const char *sn_scene_unit(const sn_scene *s);
@@ -32,7 +35,8 @@ void sn_scene_clear_notes(sn_scene *s);
 /* ---- skin and bones ---- (surfaces are copied) */
 SN_MUST_USE sn_status sn_scene_set_skin(sn_scene *s, const sn_tri_mesh *skin, sn_error *err);
 const sn_tri_mesh *sn_scene_skin(const sn_scene *s); /* NULL: none. Lives until the skin is set again. */
-SN_MUST_USE sn_status sn_scene_add_bone(sn_scene *s, const char *name, const sn_tri_mesh *bone, sn_error *err);
+SN_MUST_USE sn_status sn_scene_add_bone(sn_scene *s, const char *name, const sn_tri_mesh *bone,
+                                        sn_error *err);
 SN_MUST_USE sn_status sn_scene_remove_bone(sn_scene *s, const char *name, sn_error *err);
 int32_t sn_scene_bone_count(const sn_scene *s);
 const char *sn_scene_bone_name(const sn_scene *s, int32_t i_bone);
@@ -47,67 +51,73 @@ SN_MUST_USE sn_status sn_scene_tetrahedralize(sn_scene *s, const sn_body_options
 const sn_body *sn_scene_body(const sn_scene *s); /* NULL: not meshed, or stale */
 
 /* ---- muscles ---- */
-SN_MUST_USE sn_status sn_scene_set_fat(sn_scene *s, double value, sn_error *err);     /* >= 0 [0.2]  */
-SN_MUST_USE sn_status sn_scene_set_alpha(sn_scene *s, double value, sn_error *err);   /* > 0  [5]    */
+SN_MUST_USE sn_status sn_scene_set_fat(sn_scene *s, double value, sn_error *err);   /* >= 0 [0.2]  */
+SN_MUST_USE sn_status sn_scene_set_alpha(sn_scene *s, double value, sn_error *err); /* > 0  [5]    */
 double sn_scene_fat(const sn_scene *s);
 double sn_scene_alpha(const sn_scene *s);
 /* point: n x 3; tissue: n values or NULL for 1. */
-SN_MUST_USE sn_status sn_scene_add_muscle(sn_scene *s, const char *name, const double *point, const double *tissue,
-                                          int32_t n, sn_error *err);
+SN_MUST_USE sn_status sn_scene_add_muscle(sn_scene *s, const char *name, const double *point,
+                                          const double *tissue, int32_t n, sn_error *err);
 SN_MUST_USE sn_status sn_scene_remove_muscle(sn_scene *s, const char *name, sn_error *err);
 int32_t sn_scene_muscle_count(const sn_scene *s);
 const sn_muscle *sn_scene_muscle(const sn_scene *s, int32_t i_muscle); /* lives until the muscles change */
 /* Index, or SN_EINVAL "no muscle 'x' (did you mean 'y'?)". */
-SN_MUST_USE sn_status sn_scene_find_muscle(const sn_scene *s, const char *name, int32_t *i_muscle, sn_error *err);
+SN_MUST_USE sn_status sn_scene_find_muscle(const sn_scene *s, const char *name, int32_t *i_muscle,
+                                           sn_error *err);
 /* Edits; i_point 0-based. Errors: SN_EINVAL (index, value), SN_ENOMEM. */
-SN_MUST_USE sn_status sn_scene_set_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p, sn_error *err);
-SN_MUST_USE sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p, double tissue,
-                                            sn_error *err);
+SN_MUST_USE sn_status sn_scene_set_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p,
+                                         sn_error *err);
+SN_MUST_USE sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p,
+                                            double tissue, sn_error *err);
 SN_MUST_USE sn_status sn_scene_remove_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_error *err);
-SN_MUST_USE sn_status sn_scene_set_tissue(sn_scene *s, int32_t i_muscle, int32_t i_point, double value, sn_error *err);
+SN_MUST_USE sn_status sn_scene_set_tissue(sn_scene *s, int32_t i_muscle, int32_t i_point, double value,
+                                          sn_error *err);
 
 /* ---- results ---- */
 typedef struct sn_solve_report {
-    double seconds;                /* of this call                                                     */
+    double seconds; /* of this call                                                     */
     bool was_meshed, was_factorized;
-    sn_tissue_report tissue;       /* of the last solve                                                */
+    sn_tissue_report tissue; /* of the last solve                                                */
 } sn_solve_report;
-/* Brings the fields up to date; does nothing when they are. report: NULL to skip. Errors: SN_EINVAL (no skin, no muscles,
- * a curve that never enters the body), and those of the steps it runs. */
+/* Brings the fields up to date; does nothing when they are. report: NULL to skip. Errors: SN_EINVAL (no skin,
+ * no muscles, a curve that never enters the body), and those of the steps it runs. */
 SN_MUST_USE sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report, sn_error *err);
-int32_t sn_scene_tissue_count(const sn_scene *s);                       /* 1 + muscles */
-const char *sn_scene_tissue_name(const sn_scene *s, int32_t i_tissue);  /* "fat", then the muscles */
-/* Values of all tissues at p (tissue_count of them); *inside false outside of the tet mesh. Solves first if stale. */
-SN_MUST_USE sn_status sn_scene_values_at(sn_scene *s, sn_vec3 p, const sn_run *run, double *value, bool *inside,
-                                         sn_error *err);
+int32_t sn_scene_tissue_count(const sn_scene *s);                      /* 1 + muscles */
+const char *sn_scene_tissue_name(const sn_scene *s, int32_t i_tissue); /* "fat", then the muscles */
+/* Values of all tissues at p (tissue_count of them); *inside false outside of the tet mesh. Solves first if
+ * stale. */
+SN_MUST_USE sn_status sn_scene_values_at(sn_scene *s, sn_vec3 p, const sn_run *run, double *value,
+                                         bool *inside, sn_error *err);
 typedef enum sn_place { SN_PLACE_TISSUE, SN_PLACE_BONE, SN_PLACE_OUTSIDE } sn_place;
 /* index: tissue or bone. Solves first if stale. */
-SN_MUST_USE sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place *place, int32_t *index,
-                                         sn_error *err);
+SN_MUST_USE sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place *place,
+                                         int32_t *index, sn_error *err);
 /* Solves first if stale. out: init-ed. */
-SN_MUST_USE sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_run *run, sn_extraction *out,
-                                       sn_error *err);
+SN_MUST_USE sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_run *run,
+                                       sn_extraction *out, sn_error *err);
 /* The tissue fields, n_tissue x n_vert, NULL while stale. */
 const double *sn_scene_fields(const sn_scene *s);
 
-/* opt->camera comes from the caller; see sn_scene_bounds. Solves first if stale and muscles are shown and there are any. */
-SN_MUST_USE sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, const sn_run *run, sn_image *out,
-                                      sn_picture_stats *stats, sn_error *err);
+/* opt->camera comes from the caller; see sn_scene_bounds. Solves first if stale and muscles are shown and
+ * there are any. */
+SN_MUST_USE sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, const sn_run *run,
+                                      sn_image *out, sn_picture_stats *stats, sn_error *err);
 sn_box3 sn_scene_bounds(const sn_scene *s); /* of skin, bones and control points */
 
 typedef struct sn_muscle_report {
-    double length;          /* of the curve                                                       */
-    double volume;          /* where the muscle wins: of the extraction                           */
-    int32_t tets;           /* of the extraction                                                  */
-    int32_t components;     /* pieces joined through faces                                        */
-    double length_outside;  /* of the curve                                                       */
+    double length;         /* of the curve                                                       */
+    double volume;         /* where the muscle wins: of the extraction                           */
+    int32_t tets;          /* of the extraction                                                  */
+    int32_t components;    /* pieces joined through faces                                        */
+    double length_outside; /* of the curve                                                       */
 } sn_muscle_report;
 #define SN_TISSUE_HISTOGRAM 9
 typedef struct sn_scene_report {
-    sn_muscle_report *muscle;        /* n_muscle, owned */
+    sn_muscle_report *muscle; /* n_muscle, owned */
     int32_t n_muscle;
     double fat_volume;
-    int64_t tissues_per_tet[SN_TISSUE_HISTOGRAM]; /* [k]: tets of the body with k tissues, the last: that many or more; [0] unused */
+    int64_t tissues_per_tet[SN_TISSUE_HISTOGRAM]; /* [k]: tets of the body with k tissues, the last: that many
+                                                     or more; [0] unused */
     sn_body_report body;
     sn_tissue_report tissue;
     double seconds_extract;

@@ -40,8 +40,8 @@ static sn_status build_body(sn_scene *s, const sn_body_options *opt, const sn_ru
     return SN_OK;
 }
 
-sn_status sn_scene_tetrahedralize(sn_scene *s, const sn_body_options *opt, const sn_run *run, sn_body_report *report,
-                                  sn_error *err)
+sn_status sn_scene_tetrahedralize(sn_scene *s, const sn_body_options *opt, const sn_run *run,
+                                  sn_body_report *report, sn_error *err)
 {
     sn_status st = build_body(s, opt, run, err);
     if (!st && report) *report = s->body_report;
@@ -96,7 +96,7 @@ static sn_status need_values(sn_scene *s, const sn_run *run, sn_error *err)
 {
     int32_t n_tissue = 1 + s->n_muscle, n_wanted = 0;
     bool *wanted = SN_NEW(bool, n_tissue);
-    if (!s->field) s->field = SN_NEW(double, (size_t)n_tissue * (size_t)s->body.mesh.n_vert);
+    if (!s->field) s->field = SN_NEW(double, (size_t)n_tissue *(size_t)s->body.mesh.n_vert);
     if (!wanted || !s->field) {
         sn_release(wanted);
         return no_memory(err);
@@ -146,7 +146,8 @@ const char *sn_scene_tissue_name(const sn_scene *s, int32_t i_tissue)
     return i_tissue == 0 ? "fat" : s->muscle[i_tissue - 1]->muscle.name;
 }
 
-sn_status sn_scene_values_at(sn_scene *s, sn_vec3 p, const sn_run *run, double *value, bool *inside, sn_error *err)
+sn_status sn_scene_values_at(sn_scene *s, sn_vec3 p, const sn_run *run, double *value, bool *inside,
+                             sn_error *err)
 {
     double bary[4];
     *inside = false;
@@ -166,7 +167,9 @@ static sn_status bone_at(const sn_scene *s, sn_vec3 p, int32_t *i_bone, sn_error
     for (int32_t i = 0; i < s->n_bone && *i_bone < 0; i++) {
         const sn_tri_mesh *m = &s->bone[i].mesh;
         sn_box3 b = sn_tri_mesh_bounds(m);
-        if (p.x < b.min.x || p.x > b.max.x || p.y < b.min.y || p.y > b.max.y || p.z < b.min.z || p.z > b.max.z) continue;
+        if (p.x < b.min.x || p.x > b.max.x || p.y < b.min.y || p.y > b.max.y || p.z < b.min.z ||
+            p.z > b.max.z)
+            continue;
         sn_bvh *bvh = NULL;
         sn_status st = sn_bvh_create(&bvh, m, err);
         if (st) return st;
@@ -176,7 +179,8 @@ static sn_status bone_at(const sn_scene *s, sn_vec3 p, int32_t *i_bone, sn_error
     return SN_OK;
 }
 
-sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place *place, int32_t *index, sn_error *err)
+sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place *place, int32_t *index,
+                             sn_error *err)
 {
     bool inside;
     double *value = SN_NEW(double, 1 + s->n_muscle);
@@ -196,7 +200,8 @@ sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place
 
 /* ---- extraction ---- */
 
-sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_run *run, sn_extraction *out, sn_error *err)
+sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_run *run, sn_extraction *out,
+                           sn_error *err)
 {
     sn_status st = sn_scene_solve(s, run, NULL, err);
     if (st) return st;
@@ -230,7 +235,7 @@ static sn_status make_drawing(const sn_scene *s, drawing *d, sn_picture_scene *p
 {
     d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
     d->curve = SN_NEW(sn_picture_curve, s->n_muscle);
-    d->sample = SN_NEW(double, (size_t)s->n_muscle * CURVE_SAMPLES * 3);
+    d->sample = SN_NEW(double, (size_t)s->n_muscle *CURVE_SAMPLES * 3);
     if (!d->bone || !d->curve || !d->sample) return no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) d->bone[i] = &s->bone[i].mesh;
     for (int32_t i = 0; i < s->n_muscle; i++) {

@@ -5,8 +5,8 @@
 #include "scene/scene.h"
 
 SN_MUST_USE sn_status sn_check_name(const char *kind, const char *name, sn_error *err);
-SN_MUST_USE sn_status sn_find_name(const char *kind, const char *word, const char *const *name, int32_t n, int32_t *index,
-                                   sn_error *err);
+SN_MUST_USE sn_status sn_find_name(const char *kind, const char *word, const char *const *name, int32_t n,
+                                   int32_t *index, sn_error *err);
 
 typedef struct scene_bone {
     char *name;
@@ -15,9 +15,9 @@ typedef struct scene_bone {
 
 typedef struct scene_muscle {
     sn_muscle muscle;
-    sn_collocation row;   /* of the body as it is, when has_row                 */
+    sn_collocation row; /* of the body as it is, when has_row                 */
     bool has_row;
-    bool is_solved;       /* its field is that of its tissue values and curve   */
+    bool is_solved; /* its field is that of its tissue values and curve   */
 } scene_muscle;
 
 /* What is computed, and up to where it is valid. Each step needs the ones before it. */
@@ -27,7 +27,7 @@ struct sn_scene {
     uint64_t revision;
     sn_notes notes;
 
-    sn_tri_mesh skin;     /* n_face = 0: none */
+    sn_tri_mesh skin; /* n_face = 0: none */
     scene_bone *bone;
     int32_t n_bone;
     size_t cap_bone;
@@ -37,17 +37,17 @@ struct sn_scene {
     double fat, alpha;
 
     sn_body_options body_options;
-    bool has_options;     /* tetrahedralize was called: later meshing is like it */
+    bool has_options; /* tetrahedralize was called: later meshing is like it */
     sn_body body;
     sn_body_report body_report;
     bool has_body;
-    sn_locator *locator;  /* with the body */
+    sn_locator *locator; /* with the body */
 
-    sn_tissue_solver *solver;          /* with the body                                         */
-    const sn_collocation **rows;       /* what the solver was given                             */
-    bool has_factor;                   /* for the curves as they are                            */
-    double *field;                     /* (1 + n_muscle) x n_vert                               */
-    bool has_field;                    /* field has rows for these muscles on this body         */
+    sn_tissue_solver *solver;    /* with the body                                         */
+    const sn_collocation **rows; /* what the solver was given                             */
+    bool has_factor;             /* for the curves as they are                            */
+    double *field;               /* (1 + n_muscle) x n_vert                               */
+    bool has_field;              /* field has rows for these muscles on this body         */
     bool is_fat_solved;
 };
 

@@ -41,7 +41,8 @@ static sn_status count_components(const sn_extraction *x, sn_scene_report *r, sn
     return st;
 }
 
-/* How many tissues each tet of the body holds: distinct parts among the tets cut from it, which are consecutive. */
+/* How many tissues each tet of the body holds: distinct parts among the tets cut from it, which are
+ * consecutive. */
 static void count_tissues(const sn_extraction *x, sn_scene_report *r)
 {
     const sn_tet_mesh *m = &x->mesh;
@@ -82,7 +83,8 @@ sn_status sn_scene_report_make(sn_scene *s, const sn_run *run, sn_scene_report *
     sn_extraction_init(&x);
     sn_scene_report_free(r);
     sn_status st = sn_scene_extract(s, NULL, run, &x, err);
-    if (!st && !(r->muscle = SN_NEW_ZERO(sn_muscle_report, s->n_muscle))) st = sn_fail(err, SN_ENOMEM, "report: no memory");
+    if (!st && !(r->muscle = SN_NEW_ZERO(sn_muscle_report, s->n_muscle)))
+        st = sn_fail(err, SN_ENOMEM, "report: no memory");
     if (!st) {
         r->n_muscle = s->n_muscle;
         measure(s, &x, r);

@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define SNAP_BITS 38 /* corners lie on a grid of the skin's box diagonal over 2^38: 4e-12 of it */
+
 void sn_body_init(sn_body *b)
 {
     memset(b, 0, sizeof *b);
@@ -26,7 +28,8 @@ static sn_status check_positive(const char *name, double value, sn_error *err)
     return sn_fail(err, SN_EINVAL, "tetrahedralize: %s is %g, need > 0", name, value);
 }
 
-sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, sn_body_options *out, sn_error *err)
+sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, sn_body_options *out,
+                           sn_error *err)
 {
     sn_status st = check_positive("edge_length", opt->edge_length, err);
     if (!st) st = check_positive("bone_edge_length", opt->bone_edge_length, err);
@@ -48,13 +51,14 @@ sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, 
 static sn_status fail_open(const sn_mesh_check *c, const char *kind, const char *name, sn_error *err)
 {
     if (c->boundary_edges)
-        return sn_fail(err, SN_EMESH, "%s%s is not closed: %d boundary edges; need a closed surface", kind, name,
-                       c->boundary_edges);
+        return sn_fail(err, SN_EMESH, "%s%s is not closed: %d boundary edges; need a closed surface", kind,
+                       name, c->boundary_edges);
     if (c->nonmanifold_edges)
         return sn_fail(err, SN_EMESH, "%s%s is not manifold: %d edges with more than two faces", kind, name,
                        c->nonmanifold_edges);
     if (!c->oriented)
-        return sn_fail(err, SN_EMESH, "%s%s has neighbouring faces that turn opposite ways; need one orientation", kind,
+        return sn_fail(err, SN_EMESH,
+                       "%s%s has neighbouring faces that turn opposite ways; need one orientation", kind,
                        name);
     return sn_fail(err, SN_EMESH, "%s%s is not a closed manifold surface", kind, name);
 }
@@ -68,15 +72,22 @@ static void turn_inside_out(sn_tri_mesh *m)
     }
 }
 
-/* Components that turn inwards although they lie in nothing are the usual export mistake: only a surface whose whole
- * volume is negative is turned. */
-sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *name, const sn_run *run, sn_tri_mesh *out,
-                          int32_t crossing[2], sn_error *err)
+/* Rounds to multiples of grid (a power of two). */
+static void snap(sn_tri_mesh *m, double grid)
+{
+    for (size_t k = 0; k < 3 * (size_t)m->n_vert; k++) m->pos[k] = round(m->pos[k] / grid) * grid;
+}
+
+/* Components that turn inwards although they lie in nothing are the usual export mistake: only a surface
+ * whose whole volume is negative is turned. */
+sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *name, double grid,
+                          const sn_run *run, sn_tri_mesh *out, int32_t crossing[2], sn_error *err)
 {
     sn_mesh_check c;
     sn_status st = sn_tri_mesh_validate(in, err);
     if (st) return sn_fail_prefix(err, SN_EMESH, "%s%s: ", kind, name);
     st = sn_tri_mesh_copy(out, in, err);
+    if (!st) snap(out, grid);
     if (!st) st = sn_tri_mesh_weld(out, NULL, err);
     if (!st) st = sn_mesh_check_run(&c, out, run, err);
     if (st) return st;
@@ -113,13 +124,15 @@ static bool edges_hit(const sn_bvh *b, const sn_tri_mesh *m)
 {
     sn_ray_hit hit;
     for (int32_t i = 0; i < 3 * m->n_face; i++) {
-        sn_vec3 p = sn_tri_mesh_point(m, m->face[i]), q = sn_tri_mesh_point(m, m->face[i % 3 == 2 ? i - 2 : i + 1]);
+        sn_vec3 p = sn_tri_mesh_point(m, m->face[i]),
+                q = sn_tri_mesh_point(m, m->face[i % 3 == 2 ? i - 2 : i + 1]);
         if (sn_bvh_ray_first(b, p, sn_v3_sub(q, p), 1.0, &hit)) return true;
     }
     return false;
 }
 
-/* A bone with neither a corner nor a face centre in the skin: a long one may still run through it, a large one hold it. */
+/* A bone with neither a corner nor a face centre in the skin: a long one may still run through it, a large
+ * one hold it. */
 static sn_status check_overlap(const sn_bvh *skin, const sn_tri_mesh *bone, const char *name, sn_error *err)
 {
     sn_bvh *b = NULL;
@@ -135,34 +148,43 @@ static sn_status check_overlap(const sn_bvh *skin, const sn_tri_mesh *bone, cons
     return st;
 }
 
-static sn_status prepare_bones(const sn_bvh *skin, const sn_named_surface *bone, int32_t n_bone, const sn_run *run,
-                               sn_tri_mesh *clean, bool *exact, sn_notes *notes, sn_error *err)
+static sn_status prepare_bones(const sn_bvh *skin, const sn_named_surface *bone, int32_t n_bone, double grid,
+                               const sn_run *run, sn_tri_mesh *clean, bool *exact, sn_notes *notes,
+                               sn_error *err)
 {
     for (int32_t i = 0; i < n_bone; i++) {
         int32_t crossing[2];
         char name[128];
         (void)snprintf(name, sizeof name, " '%s'", bone[i].name);
-        sn_status st = sn_body_prepare(bone[i].mesh, "bone", name, run, &clean[i], crossing, err);
+        sn_status st = sn_body_prepare(bone[i].mesh, "bone", name, grid, run, &clean[i], crossing, err);
         if (st) return st;
         bool pokes;
         if (!bone_is_inside(skin, &clean[i], &pokes)) st = check_overlap(skin, &clean[i], bone[i].name, err);
         if (st) return st;
-        if (pokes) sn_notes_add(notes, "bone '%s' pokes through the skin: what is outside is cut off", bone[i].name);
+        if (pokes)
+            sn_notes_add(notes, "bone '%s' pokes through the skin: what is outside is cut off", bone[i].name);
         if (crossing[0] >= 0) {
-            sn_notes_add(notes, "bone '%s' crosses itself (faces %d and %d): the surfaces are resampled", bone[i].name,
-                         crossing[0] + 1, crossing[1] + 1);
+            sn_notes_add(notes, "bone '%s' crosses itself (faces %d and %d): the surfaces are resampled",
+                         bone[i].name, crossing[0] + 1, crossing[1] + 1);
             *exact = false;
         }
     }
     return SN_OK;
 }
 
+/* What rounding set apart, as 0.1 + 0.2 and 0.3, is made equal: TetGen hangs or crashes in gaps of 1e-17. */
+static double snap_grid(const sn_tri_mesh *skin)
+{
+    return exp2(ceil(log2(sn_box3_diagonal(sn_tri_mesh_bounds(skin)))) - SNAP_BITS);
+}
+
 static sn_status prepare_skin(const sn_tri_mesh *in, const sn_run *run, sn_tri_mesh *out, sn_error *err)
 {
     int32_t crossing[2];
-    sn_status st = sn_body_prepare(in, "skin", "", run, out, crossing, err);
+    sn_status st = sn_body_prepare(in, "skin", "", snap_grid(in), run, out, crossing, err);
     if (!st && crossing[0] >= 0)
-        st = sn_fail(err, SN_EMESH, "skin crosses itself: faces %d and %d; need a surface without self-intersections",
+        st = sn_fail(err, SN_EMESH,
+                     "skin crosses itself: faces %d and %d; need a surface without self-intersections",
                      crossing[0] + 1, crossing[1] + 1);
     return st;
 }
@@ -196,11 +218,11 @@ static void measure_shape(const sn_tet_mesh *m, sn_body_report *r)
     r->share_below_10_deg = m->n_tet ? (double)below / m->n_tet : 0.0;
 }
 
-/* Boundary and tets. Bones a rounding error apart cross nothing, yet TetGen stops or crashes at them: sampling closes
- * such gaps. */
-static sn_status mesh_between(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone, bool exact,
-                              const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
-                              sn_notes *notes, sn_error *err)
+/* Boundary and tets. Bones a rounding error apart cross nothing, yet TetGen stops or crashes at them:
+ * sampling closes such gaps. */
+static sn_status mesh_between(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone,
+                              bool exact, const sn_body_options *opt, const sn_run *run, sn_body *out,
+                              sn_body_report *report, sn_notes *notes, sn_error *err)
 {
     sn_tri_mesh surface;
     sn_error why;
@@ -221,15 +243,15 @@ static sn_status mesh_between(const sn_tri_mesh *skin, const sn_tri_mesh *const 
     return st;
 }
 
-static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone, sn_tri_mesh *clean,
-                       const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
-                       sn_notes *notes, sn_error *err)
+static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
+                       sn_tri_mesh *clean, const sn_body_options *opt, const sn_run *run, sn_body *out,
+                       sn_body_report *report, sn_notes *notes, sn_error *err)
 {
     sn_bvh *bvh = NULL;
     const sn_tri_mesh **ptr = SN_NEW(const sn_tri_mesh *, n_bone);
     bool exact = true;
     sn_status st = ptr ? sn_bvh_create(&bvh, skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
-    if (!st) st = prepare_bones(bvh, bone, n_bone, run, clean, &exact, notes, err);
+    if (!st) st = prepare_bones(bvh, bone, n_bone, snap_grid(skin), run, clean, &exact, notes, err);
     for (int32_t i = 0; !st && i < n_bone; i++) ptr[i] = &clean[i];
     if (!st) st = mesh_between(skin, ptr, n_bone, exact, opt, run, out, report, notes, err);
     sn_bvh_destroy(bvh);
@@ -237,8 +259,9 @@ static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, in
     return st;
 }
 
-sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone, const sn_body_options *opt,
-                        const sn_run *run, sn_body *out, sn_body_report *report, sn_notes *notes, sn_error *err)
+sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
+                        const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
+                        sn_notes *notes, sn_error *err)
 {
     sn_body_report r = {0};
     sn_body_options full;
@@ -257,8 +280,8 @@ sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, i
         r.n_tet = out->mesh.n_tet;
         r.seconds = sn_clock() - start;
         if (r.n_dropped)
-            sn_notes_add(notes, "%d tets (volume %g) are shut off from the skin by bone: dropped", r.n_dropped,
-                         r.dropped_volume);
+            sn_notes_add(notes, "%d tets (volume %g) are shut off from the skin by bone: dropped",
+                         r.n_dropped, r.dropped_volume);
         if (report) *report = r;
     } else {
         sn_body_free(out);

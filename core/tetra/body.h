@@ -1,7 +1,7 @@
 /* body.h - the soft tissue as a tet mesh: inside the skin, outside of all bones [A 3].
  *
- * Bones may cross each other and poke through the skin: they are united and cut out of the skin's inside. Every
- * boundary face knows whether it is skin or which bone. Lengths in the scene's unit. */
+ * Bones may cross each other and poke through the skin: they are united and cut out of the skin's inside.
+ * Every boundary face knows whether it is skin or which bone. Lengths in the scene's unit. */
 #ifndef SN_TETRA_BODY_H
 #define SN_TETRA_BODY_H
 
@@ -15,9 +15,9 @@
 #define SN_LABEL_SKIN 0
 #define SN_LABEL_BONE(i_bone) (1 + (i_bone))
 
-typedef struct sn_body {      /* open */
-    sn_tet_mesh mesh;         /* the soft tissue                                                              */
-    int32_t *across;          /* n_tet x 4: the tet across face k; < 0 on the boundary: -1 - label; owned     */
+typedef struct sn_body { /* open */
+    sn_tet_mesh mesh;    /* the soft tissue                                                              */
+    int32_t *across;     /* n_tet x 4: the tet across face k; < 0 on the boundary: -1 - label; owned     */
     int32_t n_bone;
 } sn_body;
 
@@ -33,45 +33,45 @@ static inline int32_t sn_body_label(int32_t across) /* of a boundary face */
 void sn_body_init(sn_body *b);
 void sn_body_free(sn_body *b);
 
-typedef struct sn_body_options {  /* zero-initialised = the defaults in brackets */
-    double edge_length;           /* target on the skin [box diagonal of the skin / 80]                        */
-    double bone_edge_length;      /* target on bones [edge_length]                                             */
-    double max_volume;            /* of a tet, cubed unit [0.35 edge_length^3: an edge of 1.4 edge_length]     */
-    double radius_edge;           /* bound on circumradius over shortest edge, >= 1.1 [1.414]                  */
-    double time_limit;            /* seconds for the mesher [300]                                              */
-    size_t memory_limit;          /* bytes for the mesher [6 GiB]                                              */
+typedef struct sn_body_options { /* zero-initialised = the defaults in brackets */
+    double edge_length;      /* target on the skin [box diagonal of the skin / 80]                        */
+    double bone_edge_length; /* target on bones [edge_length]                                             */
+    double max_volume;       /* of a tet, cubed unit [0.35 edge_length^3: an edge of 1.4 edge_length]     */
+    double radius_edge;      /* bound on circumradius over shortest edge, >= 1.1 [1.414]                  */
+    double time_limit;       /* seconds for the mesher [300]                                              */
+    size_t memory_limit;     /* bytes for the mesher [6 GiB]                                              */
 } sn_body_options;
 
 typedef struct sn_body_report {
     int32_t n_vert, n_tet;
-    int32_t n_surface_face;       /* given to TetGen                                                           */
-    int64_t crossings_cured;      /* pairs of faces that rounding left crossing after the union                */
-    bool was_resampled;           /* the exact union could not be used: surfaces were sampled on a lattice     */
-    double bone_volume_exact;     /* of the union of the bones within the skin, before remeshing               */
-    double bone_volume;           /* the same of the mesh                                                      */
-    int32_t n_dropped;            /* tets of tissue that bone shuts off from the skin: dropped                 */
+    int32_t n_surface_face;   /* given to TetGen                                                           */
+    int64_t crossings_cured;  /* pairs of faces that rounding left crossing after the union                */
+    bool was_resampled;       /* the exact union could not be used: surfaces were sampled on a lattice     */
+    double bone_volume_exact; /* of the union of the bones within the skin, before remeshing               */
+    double bone_volume;       /* the same of the mesh                                                      */
+    int32_t n_dropped;        /* tets of tissue that bone shuts off from the skin: dropped                 */
     double dropped_volume;
     double min_dihedral_deg, max_dihedral_deg;
-    double share_below_10_deg;    /* tets with a dihedral angle below 10 degrees, 0..1                         */
+    double share_below_10_deg; /* tets with a dihedral angle below 10 degrees, 0..1                         */
     double seconds_surface, seconds_tets, seconds;
 } sn_body_report;
 
 typedef struct sn_named_surface {
-    const char *name;             /* for messages, borrowed */
-    const sn_tri_mesh *mesh;      /* borrowed               */
+    const char *name;        /* for messages, borrowed */
+    const sn_tri_mesh *mesh; /* borrowed               */
 } sn_named_surface;
 
-/* Builds the tet mesh. Surfaces that turn inwards are turned, bit-equal vertices welded. out: init-ed; empty on error.
- * report, notes: NULL to skip. Deterministic.
- * Errors, each naming the surface: SN_EMESH (open, not manifold, a skin that crosses itself, a bone outside the skin,
- * bones that leave no tissue, TetGen's own failures), SN_EINVAL (options), SN_ELIMIT (time, memory), SN_ECANCEL,
- * SN_ENOMEM. */
+/* Builds the tet mesh. Surfaces that turn inwards are turned, corners rounded by up to 2e-12 of the skin's
+ * box diagonal and equal ones welded. out: init-ed; empty on error. report, notes: NULL to skip.
+ * Deterministic. Errors, each naming the surface: SN_EMESH (open, not manifold, a skin that crosses itself, a
+ * bone outside the skin, bones that leave no tissue, TetGen's own failures), SN_EINVAL (options), SN_ELIMIT
+ * (time, memory), SN_ECANCEL, SN_ENOMEM. */
 SN_MUST_USE sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
-                                    const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
-                                    sn_notes *notes, sn_error *err);
+                                    const sn_body_options *opt, const sn_run *run, sn_body *out,
+                                    sn_body_report *report, sn_notes *notes, sn_error *err);
 
-/* Makes a body of any valid tet mesh whose whole boundary carries `label`: for tests and other people's meshes.
- * Copies. Errors: SN_EINVAL, SN_ENOMEM. */
+/* Makes a body of any valid tet mesh whose whole boundary carries `label`: for tests and other people's
+ * meshes. Copies. Errors: SN_EINVAL, SN_ENOMEM. */
 SN_MUST_USE sn_status sn_body_from_tets(const sn_tet_mesh *m, int32_t label, sn_body *out, sn_error *err);
 
 #endif

@@ -4,18 +4,21 @@
 
 #include "tetra/body.h"
 
-/* Checks and prepares one surface: welded, outward. out: init-ed. *crosses_itself receives whether it does (pairs > 0). */
-SN_MUST_USE sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *name, const sn_run *run,
-                                      sn_tri_mesh *out, int32_t crossing[2], sn_error *err);
+/* Checks and prepares one surface: corners rounded to multiples of grid, welded, outward. out: init-ed.
+ * crossing receives the first pair of faces that cross, -1 when none do. */
+SN_MUST_USE sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *name, double grid,
+                                      const sn_run *run, sn_tri_mesh *out, int32_t crossing[2],
+                                      sn_error *err);
 /* The labelled, remeshed boundary of the soft tissue, free of crossings. */
 SN_MUST_USE sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone,
                                       bool is_exact_possible, const sn_body_options *opt, const sn_run *run,
-                                      sn_tri_mesh *out, sn_body_report *report, sn_notes *notes, sn_error *err);
+                                      sn_tri_mesh *out, sn_body_report *report, sn_notes *notes,
+                                      sn_error *err);
 /* TetGen in a child process, then labels and adjacency. */
 SN_MUST_USE sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_options *opt, const sn_run *run,
                                    sn_body *out, sn_body_report *report, sn_error *err);
 /* Fills in the defaults. */
-SN_MUST_USE sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, sn_body_options *out,
-                                       sn_error *err);
+SN_MUST_USE sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin,
+                                       sn_body_options *out, sn_error *err);
 
 #endif

@@ -1,5 +1,5 @@
-/* The boundary of the soft tissue: the exact difference of skin and bones, remeshed; or, where that cannot be had,
- * the same set sampled on a lattice. */
+/* The boundary of the soft tissue: the exact difference of skin and bones, remeshed; or, where that cannot be
+ * had, the same set sampled on a lattice. */
 #include "base/alloc.h"
 #include "base/child.h"
 #include "mesh/bvh.h"
@@ -12,7 +12,7 @@
 
 #define MAX_BONE_VOLUME_CHANGE 0.015 /* above it the remeshing is done again with half the deviation */
 #define REMESH_TRIES 3
-#define SAMPLE_CELL 0.6              /* of the shorter edge length */
+#define SAMPLE_CELL 0.6 /* of the shorter edge length */
 
 typedef struct corefine_job {
     const sn_tri_mesh *skin;
@@ -45,15 +45,16 @@ static sn_status unpack_surface(const char *data, size_t size, sn_tri_mesh *out,
     if (!out->label) return sn_fail(err, SN_ENOMEM, "body: no memory");
     size_t pos = 3 * (size_t)n[0] * sizeof *out->pos, face = 3 * (size_t)n[1] * sizeof *out->face;
     size_t label = (size_t)n[1] * sizeof *out->label;
-    if (size != sizeof n + pos + face + label) return sn_fail(err, SN_EINTERNAL, "body: union of bones was cut short");
+    if (size != sizeof n + pos + face + label)
+        return sn_fail(err, SN_EINTERNAL, "body: union of bones was cut short");
     memcpy(out->pos, data + sizeof n, pos);
     memcpy(out->face, data + sizeof n + pos, face);
     memcpy(out->label, data + sizeof n + pos + face, label);
     return SN_OK;
 }
 
-static sn_status exact_difference(const corefine_job *job, const sn_body_options *opt, const sn_run *run, sn_tri_mesh *out,
-                                  sn_error *err)
+static sn_status exact_difference(const corefine_job *job, const sn_body_options *opt, const sn_run *run,
+                                  sn_tri_mesh *out, sn_error *err)
 {
     sn_child child = {"uniting bones", opt->time_limit, opt->memory_limit, SN_EMESH};
     char *data;
@@ -93,7 +94,8 @@ static sn_status label_by_nearest(const sampler *s, sn_tri_mesh *m, sn_error *er
     if (!m->label) return sn_fail(err, SN_ENOMEM, "body: no memory");
     for (int32_t f = 0; f < m->n_face; f++) {
         const int32_t *v = m->face + 3 * (size_t)f;
-        sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1])), sn_tri_mesh_point(m, v[2]));
+        sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1])),
+                              sn_tri_mesh_point(m, v[2]));
         c = sn_v3_scale(1.0 / 3.0, c);
         double best = sn_bvh_closest(s->skin, c).dist;
         m->label[f] = SN_LABEL_SKIN;
@@ -114,10 +116,12 @@ static sn_status sampled_difference(const corefine_job *job, const sn_body_optio
     sampler s = {NULL, SN_NEW_ZERO(sn_bvh *, job->n_bone), job->n_bone};
     sn_polygonize p = {tissue_value, &s, sn_tri_mesh_bounds(job->skin),
                        SAMPLE_CELL * fmin(opt->edge_length, opt->bone_edge_length), true};
-    sn_status st = s.bone ? sn_bvh_create(&s.skin, job->skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    sn_status st =
+        s.bone ? sn_bvh_create(&s.skin, job->skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
     for (int32_t i = 0; !st && i < job->n_bone; i++) st = sn_bvh_create(&s.bone[i], job->bone[i], err);
     if (!st) st = sn_polygonize_run(&p, run, out, err);
-    if (!st && out->n_face == 0) st = sn_fail(err, SN_EMESH, "the bones leave no soft tissue inside the skin");
+    if (!st && out->n_face == 0)
+        st = sn_fail(err, SN_EMESH, "the bones leave no soft tissue inside the skin");
     if (!st) st = label_by_nearest(&s, out, err);
     if (st) sn_tri_mesh_free(out);
     for (int32_t i = 0; s.bone && i < job->n_bone; i++) sn_bvh_destroy(s.bone[i]);
@@ -141,16 +145,19 @@ static sn_vec3 bone_centre(const sn_tri_mesh *m)
     return o;
 }
 
-/* Volume of the cone from o to the faces of bones, taken positive: the bones' own, up to the openings where they poke
- * through the skin. What an opening adds depends on o: only figures for the same o may be compared. */
+/* Volume of the cone from o to the faces of bones, taken positive: the bones' own, up to the openings where
+ * they poke through the skin. What an opening adds depends on o: only figures for the same o may be compared.
+ */
 static double bone_volume(const sn_tri_mesh *m, sn_vec3 o)
 {
     double sum = 0.0;
     for (int32_t f = 0; f < m->n_face; f++) {
         const int32_t *v = m->face + 3 * (size_t)f;
         if (m->label[f] != SN_LABEL_SKIN)
-            sum -= sn_v3_det(sn_v3_sub(sn_tri_mesh_point(m, v[0]), o), sn_v3_sub(sn_tri_mesh_point(m, v[1]), o),
-                             sn_v3_sub(sn_tri_mesh_point(m, v[2]), o)) / 6.0;
+            sum -=
+                sn_v3_det(sn_v3_sub(sn_tri_mesh_point(m, v[0]), o), sn_v3_sub(sn_tri_mesh_point(m, v[1]), o),
+                          sn_v3_sub(sn_tri_mesh_point(m, v[2]), o)) /
+                6.0;
     }
     return sum;
 }
@@ -161,8 +168,12 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
 {
     double *length = SN_NEW(double, n_bone + 1);
     if (!length) return sn_fail(err, SN_ENOMEM, "body: no memory");
-    for (int32_t i = 0; i <= n_bone; i++) length[i] = i == SN_LABEL_SKIN ? opt->edge_length : opt->bone_edge_length;
-    sn_remesh r = {.edge_length = opt->edge_length, .label_length = length, .n_label = n_bone + 1, .max_deviation = 0.08};
+    for (int32_t i = 0; i <= n_bone; i++)
+        length[i] = i == SN_LABEL_SKIN ? opt->edge_length : opt->bone_edge_length;
+    sn_remesh r = {.edge_length = opt->edge_length,
+                   .label_length = length,
+                   .n_label = n_bone + 1,
+                   .max_deviation = 0.08};
     sn_remesh_report rr = {0};
     sn_status st = SN_OK;
     sn_vec3 centre = bone_centre(in);
@@ -181,9 +192,9 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
     return st;
 }
 
-sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone, bool is_exact_possible,
-                          const sn_body_options *opt, const sn_run *run, sn_tri_mesh *out, sn_body_report *report,
-                          sn_notes *notes, sn_error *err)
+sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone,
+                          bool is_exact_possible, const sn_body_options *opt, const sn_run *run,
+                          sn_tri_mesh *out, sn_body_report *report, sn_notes *notes, sn_error *err)
 {
     corefine_job job = {skin, bone, n_bone};
     sn_tri_mesh raw;
@@ -193,20 +204,24 @@ sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bon
     if (is_exact_possible) {
         sn_error why;
         st = exact_difference(&job, opt, run, &raw, &why);
-        if (!st && raw.n_face == 0) st = sn_fail(&why, SN_EMESH, "the bones leave no soft tissue inside the skin");
-        else if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, &why);
+        if (!st && raw.n_face == 0)
+            st = sn_fail(&why, SN_EMESH, "the bones leave no soft tissue inside the skin");
+        else if (!st)
+            st = remesh(&raw, opt, n_bone, run, out, &clean, report, &why);
         if (st && st != SN_EMESH) {
             if (err) *err = why;
             goto done;
         }
         if (!clean)
-            sn_notes_add(notes, "%s: the surfaces are resampled", st ? why.msg : "remeshing left crossing faces");
+            sn_notes_add(notes, "%s: the surfaces are resampled",
+                         st ? why.msg : "remeshing left crossing faces");
     }
     if (!clean) {
         report->was_resampled = true;
         st = sampled_difference(&job, opt, run, &raw, err);
         if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, err);
-        if (!st && !clean) st = sn_fail(err, SN_EMESH, "the surfaces cross each other and could not be mended");
+        if (!st && !clean)
+            st = sn_fail(err, SN_EMESH, "the surfaces cross each other and could not be mended");
     }
     report->n_surface_face = out->n_face;
 done:

@@ -13,17 +13,20 @@
 
 /* ---- holes ---- */
 
-/* A point beyond face f on its outer side, half-way to the next surface. false when the ray leaves the body. */
+/* A point beyond face f on its outer side, half-way to the next surface. false when the ray leaves the body.
+ */
 static bool point_beyond(const sn_bvh *bvh, int32_t f, sn_vec3 *out)
 {
     const sn_tri_mesh *m = sn_bvh_mesh(bvh);
     const int32_t *v = m->face + 3 * (size_t)f;
-    sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1])), sn_tri_mesh_point(m, v[2]));
+    sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(m, v[0]), sn_tri_mesh_point(m, v[1])),
+                          sn_tri_mesh_point(m, v[2]));
     c = sn_v3_scale(1.0 / 3.0, c);
     sn_vec3 n = sn_v3_unit(sn_tri_mesh_face_normal(m, f));
     double big = sn_box3_diagonal(sn_tri_mesh_bounds(m)), eps = 1e-9 * big;
     sn_ray_hit hit;
-    if (sn_v3_len2(n) == 0.0 || !sn_bvh_ray_first(bvh, sn_v3_mad(c, eps, n), n, 2.0 * big, &hit)) return false;
+    if (sn_v3_len2(n) == 0.0 || !sn_bvh_ray_first(bvh, sn_v3_mad(c, eps, n), n, 2.0 * big, &hit))
+        return false;
     *out = sn_v3_mad(c, eps + 0.5 * hit.t, n);
     return !sn_bvh_contains(bvh, *out);
 }
@@ -35,8 +38,9 @@ static void component_volumes(const sn_tri_mesh *m, const int32_t *comp, double 
     sn_vec3 o = sn_tri_mesh_point(m, 0);
     for (int32_t f = 0; f < m->n_face; f++) {
         const int32_t *v = m->face + 3 * (size_t)f;
-        volume[comp[f]] += sn_v3_det(sn_v3_sub(sn_tri_mesh_point(m, v[0]), o), sn_v3_sub(sn_tri_mesh_point(m, v[1]), o),
-                                     sn_v3_sub(sn_tri_mesh_point(m, v[2]), o));
+        volume[comp[f]] +=
+            sn_v3_det(sn_v3_sub(sn_tri_mesh_point(m, v[0]), o), sn_v3_sub(sn_tri_mesh_point(m, v[1]), o),
+                      sn_v3_sub(sn_tri_mesh_point(m, v[2]), o));
     }
 }
 
@@ -48,7 +52,8 @@ static sn_status find_holes(const sn_tri_mesh *m, double **hole, int32_t *n_hole
     sn_bvh *bvh = NULL;
     *hole = NULL;
     *n_hole = 0;
-    sn_status st = comp ? sn_mesh_components(m, comp, &n_comp, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    sn_status st =
+        comp ? sn_mesh_components(m, comp, &n_comp, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
     if (!st) st = sn_bvh_create(&bvh, m, err);
     if (st) goto done;
     volume = SN_NEW(double, n_comp);
@@ -65,7 +70,8 @@ static sn_status find_holes(const sn_tri_mesh *m, double **hole, int32_t *n_hole
         volume[comp[f]] = 0.0; /* done */
     }
     for (int32_t c = 0; c < n_comp; c++)
-        if (volume[c] < 0.0) st = sn_fail(err, SN_EMESH, "body: no point found inside a cavity of the surface");
+        if (volume[c] < 0.0)
+            st = sn_fail(err, SN_EMESH, "body: no point found inside a cavity of the surface");
 done:
     if (st) {
         sn_release(*hole);
@@ -132,7 +138,8 @@ static int32_t look_up(const label_table *t, const int32_t v[3])
     return -1;
 }
 
-static sn_status label_boundary(sn_body *b, const int32_t *face, const int32_t *label, int32_t n_face, sn_error *err)
+static sn_status label_boundary(sn_body *b, const int32_t *face, const int32_t *label, int32_t n_face,
+                                sn_error *err)
 {
     label_table t = {NULL, NULL, face, label, n_face};
     sn_status st = build_table(&t, b->mesh.n_vert, err);
@@ -143,7 +150,8 @@ static sn_status label_boundary(sn_body *b, const int32_t *face, const int32_t *
         int32_t v[3] = {tet[c[0]], tet[c[1]], tet[c[2]]};
         sn_sort3(v);
         int32_t l = look_up(&t, v);
-        if (l < 0) st = sn_fail(err, SN_EINTERNAL, "body: a boundary face of TetGen's mesh lies on no input face");
+        if (l < 0)
+            st = sn_fail(err, SN_EINTERNAL, "body: a boundary face of TetGen's mesh lies on no input face");
         b->across[h] = -1 - l;
     }
     sn_release(t.head);
@@ -235,7 +243,8 @@ static sn_status drop_shut_off(sn_body *b, sn_body_report *report, sn_error *err
 
 /* ---- the whole ---- */
 
-static sn_status unpack(const char *data, size_t size, sn_vec3 origin, double scale, sn_body *out, sn_error *err)
+static sn_status unpack(const char *data, size_t size, sn_vec3 origin, double scale, sn_body *out,
+                        sn_error *err)
 {
     int32_t n[3];
     memcpy(n, data, sizeof n);
@@ -263,8 +272,8 @@ static sn_status unpack(const char *data, size_t size, sn_vec3 origin, double sc
 }
 
 /* Into the unit box, where TetGen's own tolerances mean what they should. */
-static sn_status make_job(const sn_tri_mesh *s, const sn_body_options *opt, sn_vec3 origin, double scale, tetgen_job *job,
-                          sn_error *err)
+static sn_status make_job(const sn_tri_mesh *s, const sn_body_options *opt, sn_vec3 origin, double scale,
+                          tetgen_job *job, sn_error *err)
 {
     job->surface = *s;
     job->surface.pos = SN_NEW(double, 3 * (size_t)s->n_vert);
@@ -272,12 +281,13 @@ static sn_status make_job(const sn_tri_mesh *s, const sn_body_options *opt, sn_v
     for (int32_t v = 0; v < s->n_vert; v++)
         sn_v3_store(job->surface.pos + 3 * (size_t)v,
                     sn_v3_scale(1.0 / scale, sn_v3_sub(sn_tri_mesh_point(s, v), origin)));
-    job->opt = (sn_tetgen_options){opt->radius_edge, MIN_DIHEDRAL_DEG, opt->max_volume / (scale * scale * scale)};
+    job->opt =
+        (sn_tetgen_options){opt->radius_edge, MIN_DIHEDRAL_DEG, opt->max_volume / (scale * scale * scale)};
     return find_holes(&job->surface, &job->hole, &job->n_hole, err);
 }
 
-sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_options *opt, const sn_run *run, sn_body *out,
-                       sn_body_report *report, sn_error *err)
+sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_options *opt, const sn_run *run,
+                       sn_body *out, sn_body_report *report, sn_error *err)
 {
     double start = sn_clock();
     sn_box3 box = sn_tri_mesh_bounds(surface);

@@ -6,7 +6,8 @@
 
 #define LEAF_SIZE 4
 #define MAX_DEPTH 64
-#define ON_FACE 1e-10 /* barycentric coordinates down to minus this count as inside: rounding on shared faces */
+#define ON_FACE                                                                                              \
+    1e-10 /* barycentric coordinates down to minus this count as inside: rounding on shared faces */
 
 typedef struct node {
     sn_box3 box;
@@ -150,7 +151,8 @@ void sn_locator_destroy(sn_locator *l)
 
 static bool in_box(const sn_box3 *b, sn_vec3 p)
 {
-    return p.x >= b->min.x && p.x <= b->max.x && p.y >= b->min.y && p.y <= b->max.y && p.z >= b->min.z && p.z <= b->max.z;
+    return p.x >= b->min.x && p.x <= b->max.x && p.y >= b->min.y && p.y <= b->max.y && p.z >= b->min.z &&
+           p.z <= b->max.z;
 }
 
 int32_t sn_locator_find(const sn_locator *l, sn_vec3 p, double bary[4])

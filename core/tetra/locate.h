@@ -12,8 +12,8 @@ typedef struct sn_locator sn_locator; /* opaque */
 SN_MUST_USE sn_status sn_locator_create(sn_locator **out, const sn_tet_mesh *m, sn_error *err);
 void sn_locator_destroy(sn_locator *l); /* NULL is fine */
 
-/* The tet that holds p, or -1. A point on a shared face (up to rounding) belongs to the lowest tet. bary (NULL to
- * skip) receives its four barycentric coordinates, which add up to 1; none below -1e-10. */
+/* The tet that holds p, or -1. A point on a shared face (up to rounding) belongs to the lowest tet. bary
+ * (NULL to skip) receives its four barycentric coordinates, which add up to 1; none below -1e-10. */
 int32_t sn_locator_find(const sn_locator *l, sn_vec3 p, double bary[4]);
 
 /* Barycentric coordinates of any point with respect to a tet. */

@@ -1,5 +1,5 @@
-/* tetgen_bridge.h - the only file of the library that sees TetGen. Called inside a child process (base/child.h):
- * TetGen may crash or hang. */
+/* tetgen_bridge.h - the only file of the library that sees TetGen. Called inside a child process
+ * (base/child.h): TetGen may crash or hang. */
 #ifndef SN_TETRA_TETGEN_BRIDGE_H
 #define SN_TETRA_TETGEN_BRIDGE_H
 
@@ -8,16 +8,16 @@
 SN_BEGIN_DECLS
 
 typedef struct sn_tetgen_options {
-    double radius_edge;    /* bound on circumradius over shortest edge, > 1; TetGen's -q            */
+    double radius_edge;      /* bound on circumradius over shortest edge, > 1; TetGen's -q            */
     double min_dihedral_deg; /* wished, not promised; -q's second figure                            */
-    double max_volume;     /* of a tet, in the cube of the input's unit; 0: no bound; -a            */
+    double max_volume;       /* of a tet, in the cube of the input's unit; 0: no bound; -a            */
 } sn_tetgen_options;
 
 typedef struct sn_tetgen_result { /* arrays by malloc, free with sn_tetgen_result_free */
-    double *pos;           /* n_vert x 3                                                            */
-    int32_t *tet;          /* n_tet x 4, positive                                                   */
-    int32_t *face;         /* n_face x 3: every piece of an input face                              */
-    int32_t *face_label;   /* n_face: the label of the input face it is a piece of                  */
+    double *pos;                  /* n_vert x 3                                                            */
+    int32_t *tet;                 /* n_tet x 4, positive                                                   */
+    int32_t *face;                /* n_face x 3: every piece of an input face                              */
+    int32_t *face_label;          /* n_face: the label of the input face it is a piece of                  */
     int32_t n_vert, n_tet, n_face;
 } sn_tetgen_result;
 void sn_tetgen_result_free(sn_tetgen_result *r);

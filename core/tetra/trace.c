@@ -4,12 +4,12 @@
 
 #include <string.h>
 
-#define STEPS_OUTSIDE 1000    /* samples per cubic when looking for the way back in  */
+#define STEPS_OUTSIDE 1000 /* samples per cubic when looking for the way back in  */
 #define BISECTIONS 48
-#define MIN_PIECE 1e-9        /* of the curve's length: shorter pieces are dropped    */
-#define MAX_STUCK 32          /* steps without advance before the tet is looked up anew */
-#define NUDGE 1e-9            /* parameter step past a corner                          */
-#define NUDGE_OUT 1e-6        /* parameter step past the boundary, so that a curve along it ends in time */
+#define MIN_PIECE 1e-9 /* of the curve's length: shorter pieces are dropped    */
+#define MAX_STUCK 32   /* steps without advance before the tet is looked up anew */
+#define NUDGE 1e-9     /* parameter step past a corner                          */
+#define NUDGE_OUT 1e-6 /* parameter step past the boundary, so that a curve along it ends in time */
 
 sn_vec3 sn_cubic_point(const sn_cubic *c, double s)
 {
@@ -24,9 +24,10 @@ sn_vec3 sn_cubic_tangent(const sn_cubic *c, double s)
 /* Gauss-Legendre with five points on panels of at most 1/4: 1e-10 for curves without near-cusps. */
 double sn_cubic_length(const sn_cubic *c, double s0, double s1)
 {
-    static const double x[5] = {0.0, 0.5384693101056831, -0.5384693101056831, 0.9061798459386640, -0.9061798459386640};
-    static const double w[5] = {0.5688888888888889, 0.4786286704993665, 0.4786286704993665, 0.2369268850561891,
-                                0.2369268850561891};
+    static const double x[5] = {0.0, 0.5384693101056831, -0.5384693101056831, 0.9061798459386640,
+                                -0.9061798459386640};
+    static const double w[5] = {0.5688888888888889, 0.4786286704993665, 0.4786286704993665,
+                                0.2369268850561891, 0.2369268850561891};
     int n = (int)ceil(4.0 * (s1 - s0));
     double sum = 0.0;
     for (int i = 0; i < n; i++) {
@@ -132,8 +133,8 @@ typedef struct walker {
     double min_length;
     int32_t tet, i_seg; /* where the walk stands; tet < 0: outside */
     double s;
-    int32_t open_seg;   /* the last piece ran to the end of this cubic; NONE: it ended before */
-    double longest;     /* of the last piece's parts on one cubic each */
+    int32_t open_seg; /* the last piece ran to the end of this cubic; NONE: it ended before */
+    double longest;   /* of the last piece's parts on one cubic each */
 } walker;
 
 #define NONE (-2)
@@ -249,8 +250,8 @@ static bool walk_inside(walker *w)
     return true;
 }
 
-sn_status sn_trace_curve(const sn_body *b, const sn_locator *l, const sn_cubic *curve, int32_t n_seg, sn_trace *out,
-                         sn_error *err)
+sn_status sn_trace_curve(const sn_body *b, const sn_locator *l, const sn_cubic *curve, int32_t n_seg,
+                         sn_trace *out, sn_error *err)
 {
     double total = 0.0;
     sn_trace_free(out);

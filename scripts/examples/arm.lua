@@ -10,7 +10,7 @@
 -- is at the origin.
 
 out = out or "out"                -- where the files go; made when missing
-size = size or 0.010              -- edge length of the mesh on the skin: smaller is finer and slower
+size = size or 0.008              -- edge length of the mesh on the skin: smaller is finer and slower
 fat = fat or 0.10                 -- value of fat on the skin: larger makes a thicker layer under the skin
 abduction = abduction or 68       -- degrees from the hanging to the raised upper arm
 rotation = rotation or 60         -- degrees by which the upper arm is turned outwards

@@ -349,7 +349,7 @@ static void boxes_that_touch_in_a_corner_or_an_edge(void **state)
         sn_body b = build_in(&skin, BONES(&a, &other[i]), 2, EDGE, 0.5 * EDGE);
         double bones = sn_tri_mesh_volume(&a) + sn_tri_mesh_volume(&other[i]);
         assert_true(report.was_resampled && noted("resampled"));
-        assert_near(report.bone_volume, bones, 0.05);
+        assert_near(report.bone_volume, bones, 0.08); /* their edges are cut by part of a sample cell */
         assert_true(faces_with(&b, SN_LABEL_BONE(0)) > 50 && faces_with(&b, SN_LABEL_BONE(1)) > 50);
         sn_body_free(&b);
         sn_tri_mesh_free(&other[i]);
@@ -357,7 +357,7 @@ static void boxes_that_touch_in_a_corner_or_an_edge(void **state)
     sn_tri_mesh_free(&a);
 }
 
-/* 0.1 + 0.2 and 0.3: the boxes do not touch, but TetGen crashes in the gap. */
+/* 0.1 + 0.2 and 0.3: left as they are the boxes do not touch, and TetGen hangs in the gap. */
 static void boxes_a_rounding_error_apart(void **state)
 {
     (void)state;
@@ -372,8 +372,8 @@ static void boxes_a_rounding_error_apart(void **state)
     sn_notes_free(&notes);
     if (sn_body_build(&skin, named, 2, &opt, NULL, &body, &report, &notes, &err)) fail_msg("%s", err.msg);
     assert_sound(&body, &skin, BONES(&a, &b), 2, 0.5 * EDGE);
-    assert_near(report.bone_volume, 0.9 * 0.16, 0.03);
-    if (report.was_resampled) assert_true(noted("the surfaces are resampled"));
+    assert_near(report.bone_volume, 0.9 * 0.16, 1e-9);
+    assert_false(report.was_resampled);
     sn_body_free(&body);
     sn_tri_mesh_free(&a);
     sn_tri_mesh_free(&b);
@@ -389,7 +389,7 @@ static void bone_that_crosses_itself_is_resampled(void **state)
     assert_true(report.was_resampled);
     assert_true(noted("bone 'a' crosses itself (faces ") && noted("): the surfaces are resampled"));
     /* 0.08 + 0.6 * 0.45 * 0.2 less the overlap 0.2 * 0.35 * 0.2 */
-    assert_near(report.bone_volume, 0.08 + 0.054 - 0.014, 0.05);
+    assert_near(report.bone_volume, 0.08 + 0.054 - 0.014, 0.08);
     sn_body_free(&b);
     sn_tri_mesh_free(&bone);
 }
