@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -22,16 +24,51 @@ struct sn_child_out {
     int fd;
 };
 
-void sn_child_send(sn_child_out *out, const void *data, size_t size)
+static bool write_all(int fd, const char *p, size_t size)
 {
-    const char *p = data;
     while (size > 0) {
-        ssize_t n = write(out->fd, p, size);
+        ssize_t n = write(fd, p, size);
         if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) _exit(1);
+        if (n <= 0) return false;
         p += n;
         size -= (size_t)n;
     }
+    return true;
+}
+
+void sn_child_send(sn_child_out *out, const void *data, size_t size)
+{
+    if (!write_all(out->fd, data, size)) _exit(1); /* the parent has gone */
+}
+
+void sn_child_exec(sn_child_out *out, const char *program, const void *input, size_t size)
+{
+    if (access(program, X_OK) != 0) return;
+    int in = memfd_create("sinew", 0);
+    if (in < 0 || !write_all(in, input, size) || lseek(in, 0, SEEK_SET) != 0) return;
+    (void)personality(ADDR_NO_RANDOMIZE);
+    if (dup2(in, STDIN_FILENO) < 0 || dup2(out->fd, STDOUT_FILENO) < 0) return;
+    char *argv[] = {(char *)(uintptr_t)program, NULL}, *env[] = {NULL};
+    (void)execve(program, argv, env);
+}
+
+int sn_child_serve(sn_status (*fn)(const char *, size_t, sn_child_out *, sn_error *))
+{
+    sn_child_out out = {STDOUT_FILENO};
+    sn_error err = {SN_OK, ""};
+    char *input = NULL;
+    size_t size = 0, cap = 0;
+    for (;;) {
+        if (!sn_grow(&input, &cap, size + (1u << 20), 1)) return 1;
+        ssize_t n = read(STDIN_FILENO, input + size, cap - size);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) break;
+        size += (size_t)n;
+    }
+    sn_status st = fn(input, size, &out, &err);
+    if (st) sn_child_send(&out, &err, sizeof err);
+    sn_release(input);
+    return st ? EXIT_FAILED : EXIT_SENT;
 }
 
 static size_t address_space_now(void)

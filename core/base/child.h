@@ -14,6 +14,14 @@ typedef struct sn_child_out sn_child_out; /* opaque: the pipe to the parent */
 /* Sends size bytes; the child ends when the parent has gone. */
 void sn_child_send(sn_child_out *out, const void *data, size_t size);
 
+/* Replaces the child by another program, which reads `input` from its standard input and writes the result to
+ * its standard output: see sn_child_serve. A fresh process has the same memory layout every time (addresses
+ * are not randomized), so code whose result depends on addresses gives the same result every time. Returns
+ * only when that program cannot be run. */
+void sn_child_exec(sn_child_out *out, const char *program, const void *input, size_t size);
+/* The main function of such a program: returns its exit code. fn as in sn_child_run, with the input. */
+int sn_child_serve(sn_status (*fn)(const char *input, size_t size, sn_child_out *out, sn_error *err));
+
 typedef struct sn_child {
     const char *step;       /* for messages and progress: "meshing with TetGen"                    */
     double time_limit;      /* seconds, 0: none                                                    */

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#define SNAP_BITS 38 /* corners lie on a grid of the skin's box diagonal over 2^38: 4e-12 of it */
+#define TOUCH_REL 1e-9 /* of the skin's box diagonal: nearer than that is on the skin */
+#define SNAP_BITS 38   /* corners lie on a grid of the skin's box diagonal over 2^38: 4e-12 of it */
 
 void sn_body_init(sn_body *b)
 {
@@ -100,22 +101,30 @@ sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *n
     return SN_OK;
 }
 
+/* Strictly inside: a bone that touches the skin from outside has corners on it. */
+static bool is_within(const sn_bvh *skin, sn_vec3 p, double margin)
+{
+    return sn_bvh_contains(skin, p) && sn_bvh_closest(skin, p).dist > margin;
+}
+
 /* Some vertex or face centre of the bone lies inside the skin; *pokes: some vertex lies outside. */
 static bool bone_is_inside(const sn_bvh *skin, const sn_tri_mesh *bone, bool *pokes)
 {
+    double margin = TOUCH_REL * sn_box3_diagonal(sn_tri_mesh_bounds(sn_bvh_mesh(skin)));
     bool inside = false;
     *pokes = false;
     for (int32_t v = 0; v < bone->n_vert; v++) {
-        if (sn_bvh_contains(skin, sn_tri_mesh_point(bone, v)))
-            inside = true;
-        else
+        sn_vec3 p = sn_tri_mesh_point(bone, v);
+        if (!sn_bvh_contains(skin, p))
             *pokes = true;
+        else if (!inside)
+            inside = is_within(skin, p, margin);
     }
     for (int32_t f = 0; f < bone->n_face && !inside; f++) {
         const int32_t *v = bone->face + 3 * (size_t)f;
         sn_vec3 c = sn_v3_add(sn_v3_add(sn_tri_mesh_point(bone, v[0]), sn_tri_mesh_point(bone, v[1])),
                               sn_tri_mesh_point(bone, v[2]));
-        inside = sn_bvh_contains(skin, sn_v3_scale(1.0 / 3.0, c));
+        inside = is_within(skin, sn_v3_scale(1.0 / 3.0, c), margin);
     }
     return inside;
 }

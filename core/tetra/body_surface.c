@@ -7,11 +7,12 @@
 #include "mesh/remesh.h"
 #include "tetra/body_private.h"
 #include "tetra/corefine_bridge.h"
+#include "tetra/mesher.h"
 
 #include <string.h>
 
 #define MAX_BONE_VOLUME_CHANGE 0.015 /* above it the remeshing is done again with half the deviation */
-#define REMESH_TRIES 3
+#define REMESH_TRIES 8
 #define SAMPLE_CELL 0.6 /* of the shorter edge length */
 
 typedef struct corefine_job {
@@ -20,9 +21,56 @@ typedef struct corefine_job {
     int32_t n_bone;
 } corefine_job;
 
-static sn_status corefine_in_child(void *user, sn_child_out *out, sn_error *err)
+/* The job as bytes: how many surfaces and whether the first is the skin; then each one's counts, positions
+ * and faces. */
+static size_t packed_size(const sn_tri_mesh *m)
 {
-    const corefine_job *job = user;
+    return 2 * sizeof(int64_t) + 3 * (size_t)m->n_vert * sizeof *m->pos +
+           3 * (size_t)m->n_face * sizeof *m->face;
+}
+
+static char *pack_mesh(char *at, const sn_tri_mesh *m)
+{
+    int64_t n[2] = {m->n_vert, m->n_face};
+    size_t pos = 3 * (size_t)m->n_vert * sizeof *m->pos, face = 3 * (size_t)m->n_face * sizeof *m->face;
+    memcpy(at, n, sizeof n);
+    memcpy(at + sizeof n, m->pos, pos);
+    memcpy(at + sizeof n + pos, m->face, face);
+    return at + sizeof n + pos + face;
+}
+
+static char *pack_job(const corefine_job *job, size_t *size)
+{
+    int64_t head[2] = {job->n_bone, job->skin != NULL};
+    *size = sizeof head + (job->skin ? packed_size(job->skin) : 0);
+    for (int32_t i = 0; i < job->n_bone; i++) *size += packed_size(job->bone[i]);
+    char *data = sn_alloc(*size, 1), *at = data;
+    if (!data) return NULL;
+    memcpy(at, head, sizeof head);
+    at += sizeof head;
+    if (job->skin) at = pack_mesh(at, job->skin);
+    for (int32_t i = 0; i < job->n_bone; i++) at = pack_mesh(at, job->bone[i]);
+    return data;
+}
+
+/* false: the bytes end early or memory does. */
+static bool unpack_mesh(const char **at, const char *end, sn_tri_mesh *out)
+{
+    int64_t n[2];
+    if ((size_t)(end - *at) < sizeof n) return false;
+    memcpy(n, *at, sizeof n);
+    if (n[0] < 0 || n[1] < 0 || n[0] > INT32_MAX || n[1] > INT32_MAX / 3) return false;
+    size_t pos = 3 * (size_t)n[0] * sizeof *out->pos, face = 3 * (size_t)n[1] * sizeof *out->face;
+    if ((size_t)(end - *at) - sizeof n < pos + face) return false;
+    if (sn_tri_mesh_reserve(out, (int32_t)n[0], (int32_t)n[1], NULL)) return false;
+    memcpy(out->pos, *at + sizeof n, pos);
+    memcpy(out->face, *at + sizeof n + pos, face);
+    *at += sizeof n + pos + face;
+    return true;
+}
+
+static sn_status corefine_and_send(const corefine_job *job, sn_child_out *out, sn_error *err)
+{
     sn_tri_mesh m;
     sn_tri_mesh_init(&m);
     sn_status st = sn_corefine(job->skin, job->bone, job->n_bone, &m, err);
@@ -32,7 +80,43 @@ static sn_status corefine_in_child(void *user, sn_child_out *out, sn_error *err)
     sn_child_send(out, m.pos, 3 * (size_t)m.n_vert * sizeof *m.pos);
     sn_child_send(out, m.face, 3 * (size_t)m.n_face * sizeof *m.face);
     sn_child_send(out, m.label, (size_t)m.n_face * sizeof *m.label);
+    sn_tri_mesh_free(&m);
     return SN_OK;
+}
+
+sn_status sn_mesher_corefine(const char *input, size_t size, sn_child_out *out, sn_error *err)
+{
+    int64_t head[2] = {0, 0};
+    const char *at = input + sizeof head, *end = input + size;
+    if (size < sizeof head) return sn_fail(err, SN_EINTERNAL, "sinew-mesher: the job is cut short");
+    memcpy(head, input, sizeof head);
+    bool ok = head[0] >= 0 && head[0] < INT32_MAX;
+    int32_t n = ok ? (int32_t)head[0] : 0;
+    sn_tri_mesh skin, *bone = SN_NEW_ZERO(sn_tri_mesh, n);
+    const sn_tri_mesh **ptr = SN_NEW(const sn_tri_mesh *, n);
+    sn_tri_mesh_init(&skin);
+    ok = ok && bone && ptr && (!head[1] || unpack_mesh(&at, end, &skin));
+    for (int32_t i = 0; ok && i < n; i++) {
+        ok = unpack_mesh(&at, end, &bone[i]);
+        ptr[i] = &bone[i];
+    }
+    corefine_job job = {head[1] ? &skin : NULL, ptr, n};
+    sn_status st = ok ? corefine_and_send(&job, out, err)
+                      : sn_fail(err, SN_EINTERNAL, "sinew-mesher: the job is cut short, or no memory for it");
+    sn_tri_mesh_free(&skin);
+    for (int32_t i = 0; bone && i < n; i++) sn_tri_mesh_free(&bone[i]);
+    sn_release(bone);
+    sn_release(ptr);
+    return st;
+}
+
+static sn_status corefine_in_child(void *user, sn_child_out *out, sn_error *err)
+{
+    size_t size;
+    char *input = pack_job(user, &size);
+    if (input) sn_mesher_exec(out, SN_MESHER_COREFINE, input, size);
+    sn_release(input);
+    return corefine_and_send(user, out, err);
 }
 
 static sn_status unpack_surface(const char *data, size_t size, sn_tri_mesh *out, sn_error *err)
@@ -184,7 +268,7 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
         report->bone_volume = bone_volume(out, centre);
         double change = fabs(report->bone_volume - report->bone_volume_exact);
         if (rr.crossings_after == 0 && change <= MAX_BONE_VOLUME_CHANGE * report->bone_volume_exact) break;
-        r.max_deviation *= 0.5;
+        r.max_deviation *= 0.3;
     }
     *clean = rr.crossings_after == 0;
     report->crossings_cured = rr.crossings_before - rr.crossings_after;

@@ -5,6 +5,7 @@
 #include "mesh/bvh.h"
 #include "mesh/mesh_check.h"
 #include "tetra/body_private.h"
+#include "tetra/mesher.h"
 #include "tetra/tetgen_bridge.h"
 
 #include <string.h>
@@ -92,9 +93,30 @@ typedef struct tetgen_job {
     sn_tetgen_options opt;
 } tetgen_job;
 
-static sn_status tetgen_in_child(void *user, sn_child_out *out, sn_error *err)
+/* The job as bytes: a header, then positions, faces, labels, holes. */
+typedef struct job_header {
+    int32_t n_vert, n_face, n_hole, pad;
+    sn_tetgen_options opt;
+} job_header;
+
+static char *pack_job(const tetgen_job *job, size_t *size)
 {
-    const tetgen_job *job = user;
+    const sn_tri_mesh *s = &job->surface;
+    job_header h = {s->n_vert, s->n_face, job->n_hole, 0, job->opt};
+    size_t pos = 3 * (size_t)h.n_vert * sizeof *s->pos, face = 3 * (size_t)h.n_face * sizeof *s->face;
+    size_t label = (size_t)h.n_face * sizeof *s->label, hole = 3 * (size_t)h.n_hole * sizeof *job->hole;
+    char *data = sn_alloc(*size = sizeof h + pos + face + label + hole, 1), *at = data;
+    if (!data) return NULL;
+    memcpy(at, &h, sizeof h);
+    memcpy(at += sizeof h, s->pos, pos);
+    memcpy(at += pos, s->face, face);
+    memcpy(at += face, s->label, label);
+    if (hole) memcpy(at + label, job->hole, hole);
+    return data;
+}
+
+static sn_status mesh_and_send(const tetgen_job *job, sn_child_out *out, sn_error *err)
+{
     sn_tetgen_result r;
     sn_status st = sn_tetgen(&job->surface, job->hole, job->n_hole, &job->opt, &r, err);
     if (st) return st;
@@ -104,7 +126,43 @@ static sn_status tetgen_in_child(void *user, sn_child_out *out, sn_error *err)
     sn_child_send(out, r.tet, 4 * (size_t)n[1] * sizeof *r.tet);
     sn_child_send(out, r.face, 3 * (size_t)n[2] * sizeof *r.face);
     sn_child_send(out, r.face_label, (size_t)n[2] * sizeof *r.face_label);
+    sn_tetgen_result_free(&r);
     return SN_OK;
+}
+
+sn_status sn_mesher_tetgen(const char *input, size_t size, sn_child_out *out, sn_error *err)
+{
+    job_header h;
+    if (size < sizeof h) return sn_fail(err, SN_EINTERNAL, "sinew-mesher: needs a job on its standard input");
+    memcpy(&h, input, sizeof h);
+    size_t pos = 3 * (size_t)h.n_vert * sizeof(double), face = 3 * (size_t)h.n_face * sizeof(int32_t);
+    size_t label = (size_t)h.n_face * sizeof(int32_t), hole = 3 * (size_t)h.n_hole * sizeof(double);
+    if (size != sizeof h + pos + face + label + hole)
+        return sn_fail(err, SN_EINTERNAL, "sinew-mesher: the job is %zu bytes, its header says other", size);
+    tetgen_job job = {.n_hole = h.n_hole, .opt = h.opt, .hole = SN_NEW(double, 3 * (size_t)h.n_hole)};
+    sn_status st = sn_tri_mesh_reserve(&job.surface, h.n_vert, h.n_face, err);
+    if (!st) job.surface.label = SN_NEW(int32_t, h.n_face);
+    if (!st && (!job.surface.label || !job.hole)) st = sn_fail(err, SN_ENOMEM, "sinew-mesher: no memory");
+    if (!st) {
+        const char *at = input + sizeof h;
+        memcpy(job.surface.pos, at, pos);
+        memcpy(job.surface.face, at += pos, face);
+        memcpy(job.surface.label, at += face, label);
+        if (hole) memcpy(job.hole, at + label, hole);
+        st = mesh_and_send(&job, out, err);
+    }
+    sn_tri_mesh_free(&job.surface);
+    sn_release(job.hole);
+    return st;
+}
+
+static sn_status tetgen_in_child(void *user, sn_child_out *out, sn_error *err)
+{
+    size_t size;
+    char *input = pack_job(user, &size);
+    if (input) sn_mesher_exec(out, SN_MESHER_TETGEN, input, size);
+    sn_release(input);
+    return mesh_and_send(user, out, err);
 }
 
 typedef struct label_table { /* the labelled faces by their smallest vertex */

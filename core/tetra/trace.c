@@ -8,7 +8,8 @@
 #define BISECTIONS 48
 #define MIN_PIECE 1e-9 /* of the curve's length: shorter pieces are dropped    */
 #define MAX_STUCK 32   /* steps without advance before the tet is looked up anew */
-#define NUDGE 1e-9     /* parameter step past a corner                          */
+#define NUDGE 1e-9     /* first parameter step past a corner; doubles until the walk gets on */
+#define ON_FACE 1e-11  /* barycentric: a curve along a face or edge counts as inside, in spite of rounding */
 #define NUDGE_OUT 1e-6 /* parameter step past the boundary, so that a curve along it ends in time */
 
 sn_vec3 sn_cubic_point(const sn_cubic *c, double s)
@@ -214,6 +215,7 @@ static bool find_entry(walker *w)
 static bool walk_inside(walker *w)
 {
     int stuck = 0;
+    double nudge = NUDGE;
     while (w->i_seg < w->n_seg) {
         double b[4][4], s_out = 2.0;
         int face = -1;
@@ -232,11 +234,13 @@ static bool walk_inside(walker *w)
             continue;
         }
         if (!add_piece(w, s_out)) return false;
+        if (s_out > w->s + nudge) nudge = NUDGE;
         stuck = s_out > w->s ? 0 : stuck + 1;
         w->s = s_out;
         int32_t next = w->body->across[4 * (size_t)w->tet + (size_t)face];
         if (stuck > MAX_STUCK) { /* round and round an edge or corner */
-            w->s = fmin(1.0, w->s + NUDGE);
+            w->s = fmin(1.0, w->s + nudge);
+            nudge *= 2.0;
             next = sn_locator_find(w->locator, sn_cubic_point(&w->curve[w->i_seg], w->s), NULL);
             stuck = 0;
         }
