@@ -53,8 +53,9 @@ sn_status sn_check_name(const char *kind, const char *name, sn_error *err)
     if (n == 0 || n > MAX_NAME)
         return sn_fail(err, SN_EINVAL, "name of a %s has %zu bytes, need 1 to %d", kind, n, MAX_NAME);
     for (size_t i = 0; i < n; i++)
-        if ((unsigned char)name[i] < 32 || name[i] == '/' || name[i] == 127)
-            return sn_fail(err, SN_EINVAL, "name of %s '%.64s' holds '/' or a control character", kind, name);
+        if ((unsigned char)name[i] < 32 || name[i] == '/' || name[i] == '"' || name[i] == 127)
+            return sn_fail(err, SN_EINVAL, "name of %s '%.64s' holds '/', '\"' or a control character", kind,
+                           name);
     if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
         return sn_fail(err, SN_EINVAL, "'%s' is no name for a %s", name, kind);
     return SN_OK;

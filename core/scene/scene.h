@@ -5,8 +5,8 @@
  *     skin | bones -> body (tets) -> curves (collocation, factor) -> values (right-hand sides) -> picture,
  * extraction
  *
- * On an error the scene is as before the call. Names of bones and muscles: 1..64 bytes, no '/' and no control
- * characters; each name once among the bones and once among the muscles; "fat" is taken. */
+ * On an error the scene is as before the call. Names of bones and muscles: 1..64 bytes, no '/', no '"' and no
+ * control characters; each name once among the bones and once among the muscles; "fat" is taken. */
 #ifndef SN_SCENE_SCENE_H
 #define SN_SCENE_SCENE_H
 

@@ -268,6 +268,16 @@ static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, in
     return st;
 }
 
+/* The run with an earlier deadline, if it is earlier: time_limit holds for the surfaces as well as for
+ * TetGen. */
+static sn_run limit_run(const sn_run *run, double deadline)
+{
+    sn_run r = {0};
+    if (run) r = *run;
+    if (r.deadline <= 0.0 || deadline < r.deadline) r.deadline = deadline;
+    return r;
+}
+
 sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
                         const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
                         sn_notes *notes, sn_error *err)
@@ -281,7 +291,12 @@ sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, i
     sn_status st = clean ? SN_OK : sn_fail(err, SN_ENOMEM, "body: no memory");
     if (!st) st = prepare_skin(skin, run, &clean_skin, err);
     if (!st) st = sn_body_defaults(opt, &clean_skin, &full, err);
-    if (!st) st = build(&clean_skin, bone, n_bone, clean, &full, run, out, &r, notes, err);
+    if (!st) {
+        sn_run limited = limit_run(run, start + full.time_limit);
+        st = build(&clean_skin, bone, n_bone, clean, &full, &limited, out, &r, notes, err);
+        if (st == SN_ELIMIT && sn_run_stopped(&limited) && !sn_run_stopped(run))
+            st = sn_fail(err, SN_ELIMIT, "tetrahedralize: time limit of %g s reached", full.time_limit);
+    }
     if (!st) {
         out->n_bone = n_bone;
         measure_shape(&out->mesh, &r);

@@ -38,7 +38,7 @@ typedef struct sn_body_options { /* zero-initialised = the defaults in brackets 
     double bone_edge_length; /* target on bones [edge_length]                                             */
     double max_volume;       /* of a tet, cubed unit [0.35 edge_length^3: an edge of 1.4 edge_length]     */
     double radius_edge;      /* bound on circumradius over shortest edge, >= 1.1 [1.414]                  */
-    double time_limit;       /* seconds for the mesher [300]                                              */
+    double time_limit;       /* seconds for the whole of it [300]                                              */
     size_t memory_limit;     /* bytes for the mesher [6 GiB]                                              */
 } sn_body_options;
 

@@ -13,7 +13,9 @@
 
 #define MAX_BONE_VOLUME_CHANGE 0.015 /* above it the remeshing is done again with half the deviation */
 #define REMESH_TRIES 8
-#define SAMPLE_CELL 0.6 /* of the shorter edge length */
+#define SAMPLE_CELL 0.6      /* of the shorter edge length */
+#define SAMPLE_THICKNESS 0.5 /* of the thinnest bone's radius                                            */
+#define LEAST_TISSUE 1e-3    /* of the skin's volume: less is the noise of two surfaces that coincide     */
 
 typedef struct corefine_job {
     const sn_tri_mesh *skin;
@@ -194,17 +196,27 @@ static sn_status label_by_nearest(const sampler *s, sn_tri_mesh *m, sn_error *er
     return SN_OK;
 }
 
+/* Fine enough for the edge lengths asked for and for the thinnest bone: 3 V / A is the radius of a ball. */
+static double sample_cell(const corefine_job *job, const sn_body_options *opt)
+{
+    double cell = SAMPLE_CELL * fmin(opt->edge_length, opt->bone_edge_length);
+    for (int32_t i = 0; i < job->n_bone; i++) {
+        double area = sn_tri_mesh_area(job->bone[i]);
+        if (area > 0.0) cell = fmin(cell, SAMPLE_THICKNESS * 3.0 * sn_tri_mesh_volume(job->bone[i]) / area);
+    }
+    return fmax(cell, 1.1 * sn_polygonize_smallest_cell(sn_tri_mesh_bounds(job->skin)));
+}
+
 static sn_status sampled_difference(const corefine_job *job, const sn_body_options *opt, const sn_run *run,
                                     sn_tri_mesh *out, sn_error *err)
 {
     sampler s = {NULL, SN_NEW_ZERO(sn_bvh *, job->n_bone), job->n_bone};
-    sn_polygonize p = {tissue_value, &s, sn_tri_mesh_bounds(job->skin),
-                       SAMPLE_CELL * fmin(opt->edge_length, opt->bone_edge_length), true};
+    sn_polygonize p = {tissue_value, &s, sn_tri_mesh_bounds(job->skin), sample_cell(job, opt), true};
     sn_status st =
         s.bone ? sn_bvh_create(&s.skin, job->skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
     for (int32_t i = 0; !st && i < job->n_bone; i++) st = sn_bvh_create(&s.bone[i], job->bone[i], err);
     if (!st) st = sn_polygonize_run(&p, run, out, err);
-    if (!st && out->n_face == 0)
+    if (!st && (out->n_face == 0 || sn_tri_mesh_volume(out) < LEAST_TISSUE * sn_tri_mesh_volume(job->skin)))
         st = sn_fail(err, SN_EMESH, "the bones leave no soft tissue inside the skin");
     if (!st) st = label_by_nearest(&s, out, err);
     if (st) sn_tri_mesh_free(out);

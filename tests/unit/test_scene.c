@@ -295,9 +295,9 @@ static void names_are_checked(void **state)
         {"biceps", "there is a muscle 'biceps' already"},
         {"fat", "'fat' is no name for a muscle: it is tissue 0"},
         {"", "name of a muscle has 0 bytes, need 1 to 64"},
-        {"a/b", "name of muscle 'a/b' holds '/' or a control character"},
-        {"a\nb", "holds '/' or a control character"},
-        {"a\x7f", "holds '/' or a control character"},
+        {"a/b", "name of muscle 'a/b' holds '/', '\"' or a control character"},
+        {"a\nb", "holds '/', '\"' or a control character"},
+        {"a\x7f", "holds '/', '\"' or a control character"},
         {".", "'.' is no name for a muscle"},
         {"..", "'..' is no name for a muscle"},
     };
