@@ -11,6 +11,7 @@
 #define SWEEPS 40      /* at the last try                                                         */
 #define FIRST_SWEEPS 5 /* at the others                                                           */
 #define BACK_SWEEPS 8  /* that only undo, see step_back                                           */
+#define NARROWER 3     /* margins that the search starts from, each a tenth of the last                 */
 #define NO_MOVE 1e-12  /* in weights: the rounding of their sum                                     */
 #define STEP_BACK 0.03
 #define WIDEN_AFTER 2    /* sweeps; then the corners around a flat tet move as well                    */
@@ -398,15 +399,18 @@ static void set_raise(placer *p, int32_t largest)
     for (int32_t i = 0; i < p->g->n_tissue; i++, step *= ratio) p->raise[i] = (int32_t)step;
 }
 
-/* First the cheap cure, which changes least, then the search. */
+/* First the cheap cure, which changes least; then the search, from ever nearer to the exact places. */
 static sn_status place_with_raise(placer *p, int32_t largest, int sweeps, const sn_run *run, sn_error *err)
 {
-    sn_status st = SN_EINTERNAL;
+    double margin = p->margin;
     set_raise(p, largest);
-    for (int back = 1; back >= 0 && st == SN_EINTERNAL; back--) {
+    place_first(p);
+    sn_status st = mend(p, true, BACK_SWEEPS, run, err);
+    for (int i = 0; i < NARROWER && st == SN_EINTERNAL; i++, p->margin *= 0.1) {
         place_first(p);
-        st = mend(p, back, back ? BACK_SWEEPS : sweeps, run, err);
+        st = mend(p, false, sweeps, run, err);
     }
+    p->margin = margin;
     return st;
 }
 
