@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define TOUCH_REL 1e-9 /* of the skin's box diagonal: nearer than that is on the skin */
-#define SNAP_BITS 38   /* corners lie on a grid of the skin's box diagonal over 2^38: 4e-12 of it */
+#define SNAP_BITS 34 /* corners lie on a grid of the skin's box diagonal over 2^34: 6e-11 of it */
 
 void sn_body_init(sn_body *b)
 {
@@ -278,9 +278,9 @@ static sn_run limit_run(const sn_run *run, double deadline)
     return r;
 }
 
-sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
-                        const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
-                        sn_notes *notes, sn_error *err)
+static sn_status build_in_unit_box(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
+                                   const sn_body_options *opt, const sn_run *run, sn_body *out,
+                                   sn_body_report *report, sn_notes *notes, sn_error *err)
 {
     sn_body_report r = {0};
     sn_body_options full;
@@ -303,16 +303,87 @@ sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, i
         r.n_vert = out->mesh.n_vert;
         r.n_tet = out->mesh.n_tet;
         r.seconds = sn_clock() - start;
-        if (r.n_dropped)
-            sn_notes_add(notes, "%d tets (volume %g) are shut off from the skin by bone: dropped",
-                         r.n_dropped, r.dropped_volume);
-        if (report) *report = r;
+        *report = r;
     } else {
         sn_body_free(out);
     }
     sn_tri_mesh_free(&clean_skin);
     for (int32_t i = 0; clean && i < n_bone; i++) sn_tri_mesh_free(&clean[i]);
     sn_release(clean);
+    return st;
+}
+
+/* The unit box: the skin's box diagonal is 1. The snapping grid there is far coarser than rounding, so a body
+ * in metres and the same one in millimetres give the same coordinates, and so the same tets. */
+typedef struct unit_box {
+    sn_vec3 origin;
+    double size;
+} unit_box;
+
+static sn_status into_unit_box(const unit_box *u, const sn_tri_mesh *in, sn_tri_mesh *out, sn_error *err)
+{
+    sn_status st = sn_tri_mesh_copy(out, in, err);
+    for (int32_t v = 0; !st && v < out->n_vert; v++)
+        sn_v3_store(out->pos + 3 * (size_t)v,
+                    sn_v3_scale(1.0 / u->size, sn_v3_sub(sn_tri_mesh_point(in, v), u->origin)));
+    return st;
+}
+
+/* Lengths in single precision: the last bits of a quotient must not decide. */
+static sn_body_options options_in_unit_box(const unit_box *u, const sn_body_options *opt)
+{
+    sn_body_options o = *opt;
+    o.edge_length = (double)(float)(o.edge_length / u->size);
+    o.bone_edge_length = (double)(float)(o.bone_edge_length / u->size);
+    o.max_volume = (double)(float)(o.max_volume / u->size / u->size / u->size);
+    return o;
+}
+
+static void out_of_unit_box(const unit_box *u, sn_body *b, sn_body_report *r)
+{
+    double cube = u->size * u->size * u->size;
+    for (int32_t v = 0; v < b->mesh.n_vert; v++) {
+        double *p = b->mesh.pos + 3 * (size_t)v;
+        sn_v3_store(p, sn_v3_mad(u->origin, u->size, sn_v3_load(p)));
+    }
+    r->bone_volume_exact *= cube;
+    r->bone_volume *= cube;
+    r->dropped_volume *= cube;
+}
+
+sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
+                        const sn_body_options *opt, const sn_run *run, sn_body *out, sn_body_report *report,
+                        sn_notes *notes, sn_error *err)
+{
+    sn_body_options full;
+    sn_body_report r = {0};
+    sn_tri_mesh *mesh = SN_NEW_ZERO(sn_tri_mesh, n_bone + 1); /* the bones, then the skin */
+    sn_named_surface *named = SN_NEW(sn_named_surface, n_bone);
+    sn_box3 box = sn_tri_mesh_bounds(skin);
+    double size = sn_box3_diagonal(box);
+    unit_box u = {box.min, size > 0.0 && isfinite(size) ? size : 1.0};
+    sn_body_free(out);
+    sn_status st =
+        mesh && named ? sn_body_defaults(opt, skin, &full, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    if (!st) st = into_unit_box(&u, skin, &mesh[n_bone], err);
+    for (int32_t i = 0; i < n_bone && !st; i++) {
+        st = into_unit_box(&u, bone[i].mesh, &mesh[i], err);
+        named[i] = (sn_named_surface){bone[i].name, &mesh[i]};
+    }
+    if (!st) {
+        full = options_in_unit_box(&u, &full);
+        st = build_in_unit_box(&mesh[n_bone], named, n_bone, &full, run, out, &r, notes, err);
+    }
+    if (!st) {
+        out_of_unit_box(&u, out, &r);
+        if (r.n_dropped)
+            sn_notes_add(notes, "%d tets (volume %g) are shut off from the skin by bone: dropped",
+                         r.n_dropped, r.dropped_volume);
+        if (report) *report = r;
+    }
+    for (int32_t i = 0; mesh && i <= n_bone; i++) sn_tri_mesh_free(&mesh[i]);
+    sn_release(mesh);
+    sn_release(named);
     return st;
 }
 
