@@ -9,7 +9,9 @@
 #include <string.h>
 
 #define TOUCH_REL 1e-9 /* of the skin's box diagonal: nearer than that is on the skin */
-#define SNAP_BITS 34 /* corners lie on a grid of the skin's box diagonal over 2^34: 6e-11 of it */
+/* Corners lie on this grid of the unit box. What rounding set apart, as 0.1 + 0.2 and 0.3, is made equal so:
+ * TetGen hangs or crashes in gaps of 1e-17. */
+#define SNAP_GRID 0x1p-34
 
 void sn_body_init(sn_body *b)
 {
@@ -181,16 +183,10 @@ static sn_status prepare_bones(const sn_bvh *skin, const sn_named_surface *bone,
     return SN_OK;
 }
 
-/* What rounding set apart, as 0.1 + 0.2 and 0.3, is made equal: TetGen hangs or crashes in gaps of 1e-17. */
-static double snap_grid(const sn_tri_mesh *skin)
-{
-    return exp2(ceil(log2(sn_box3_diagonal(sn_tri_mesh_bounds(skin)))) - SNAP_BITS);
-}
-
 static sn_status prepare_skin(const sn_tri_mesh *in, const sn_run *run, sn_tri_mesh *out, sn_error *err)
 {
     int32_t crossing[2];
-    sn_status st = sn_body_prepare(in, "skin", "", snap_grid(in), run, out, crossing, err);
+    sn_status st = sn_body_prepare(in, "skin", "", SNAP_GRID, run, out, crossing, err);
     if (!st && crossing[0] >= 0)
         st = sn_fail(err, SN_EMESH,
                      "skin crosses itself: faces %d and %d; need a surface without self-intersections",
@@ -260,7 +256,7 @@ static sn_status build(const sn_tri_mesh *skin, const sn_named_surface *bone, in
     const sn_tri_mesh **ptr = SN_NEW(const sn_tri_mesh *, n_bone);
     bool exact = true;
     sn_status st = ptr ? sn_bvh_create(&bvh, skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
-    if (!st) st = prepare_bones(bvh, bone, n_bone, snap_grid(skin), run, clean, &exact, notes, err);
+    if (!st) st = prepare_bones(bvh, bone, n_bone, SNAP_GRID, run, clean, &exact, notes, err);
     for (int32_t i = 0; !st && i < n_bone; i++) ptr[i] = &clean[i];
     if (!st) st = mesh_between(skin, ptr, n_bone, exact, opt, run, out, report, notes, err);
     sn_bvh_destroy(bvh);
@@ -283,19 +279,17 @@ static sn_status build_in_unit_box(const sn_tri_mesh *skin, const sn_named_surfa
                                    sn_body_report *report, sn_notes *notes, sn_error *err)
 {
     sn_body_report r = {0};
-    sn_body_options full;
     sn_tri_mesh clean_skin, *clean = SN_NEW_ZERO(sn_tri_mesh, n_bone);
     double start = sn_clock();
     sn_tri_mesh_init(&clean_skin);
     sn_body_free(out);
     sn_status st = clean ? SN_OK : sn_fail(err, SN_ENOMEM, "body: no memory");
     if (!st) st = prepare_skin(skin, run, &clean_skin, err);
-    if (!st) st = sn_body_defaults(opt, &clean_skin, &full, err);
     if (!st) {
-        sn_run limited = limit_run(run, start + full.time_limit);
-        st = build(&clean_skin, bone, n_bone, clean, &full, &limited, out, &r, notes, err);
+        sn_run limited = limit_run(run, start + opt->time_limit);
+        st = build(&clean_skin, bone, n_bone, clean, opt, &limited, out, &r, notes, err);
         if (st == SN_ELIMIT && sn_run_stopped(&limited) && !sn_run_stopped(run))
-            st = sn_fail(err, SN_ELIMIT, "tetrahedralize: time limit of %g s reached", full.time_limit);
+            st = sn_fail(err, SN_ELIMIT, "tetrahedralize: time limit of %g s reached", opt->time_limit);
     }
     if (!st) {
         out->n_bone = n_bone;
