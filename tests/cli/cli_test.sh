@@ -412,6 +412,7 @@ print "next"' repl_time_limit 0 "$sinew" -i --time-limit 0.3
 want_out_lines next; want_err 'time limit reached'
 
 # Types at the program on a terminal of its own: each argument, then a pause.
+# `exec`: a shell that stays (dash) would answer the Ctrl-C too, and end with 130.
 type_at() { # name, exit code, keys (for printf)...
     start "$1"
     code=$2
@@ -424,7 +425,7 @@ type_at() { # name, exit code, keys (for printf)...
             printf "$keys"
             sleep 0.6
         done
-    ) | TERM=xterm script -qec "$sinew" /dev/null >"$tmp/out" 2>&1
+    ) | TERM=xterm script -qec "exec '$sinew'" /dev/null >"$tmp/out" 2>&1
     check_code "$code" $?
 }
 if script -qec true /dev/null >/dev/null 2>&1 </dev/null; then
