@@ -122,10 +122,11 @@ static void to_member(lua_State *L, const char *name, size_t n)
 static void push_result_of(lua_State *L, const char *name, size_t n)
 {
     static const char *const result[][2] = {
-        {"muscle", LSN_MUSCLE}, {"add_muscle", LSN_MUSCLE},  {"bone", LSN_BONE},
-        {"add_bone", LSN_BONE}, {"skin", LSN_SURFACE},       {"surface", LSN_SURFACE},
-        {"mesh", LSN_SURFACE},  {"part", LSN_PART},          {"scene", LSN_SCENE},
-        {"render", LSN_IMAGE},  {"extract", LSN_EXTRACTION}, {"load", LSN_SURFACE}};
+        {"muscle", LSN_MUSCLE},      {"add_muscle", LSN_MUSCLE}, {"draw_muscle", LSN_MUSCLE},
+        {"head", LSN_HEAD},          {"bone", LSN_BONE},         {"add_bone", LSN_BONE},
+        {"skin", LSN_SURFACE},       {"surface", LSN_SURFACE},   {"mesh", LSN_SURFACE},
+        {"part", LSN_PART},          {"scene", LSN_SCENE},       {"render", LSN_IMAGE},
+        {"extract", LSN_EXTRACTION}, {"load", LSN_SURFACE}};
     for (size_t i = 0; i < sizeof result / sizeof result[0]; i++) {
         if (strlen(result[i][0]) != n || memcmp(result[i][0], name, n) != 0) continue;
         luaL_getmetatable(L, result[i][1]);

@@ -5,7 +5,7 @@ set -eu
 cd "$(dirname "$0")/.."
 
 packages="gcc g++ make cmake pkg-config liblua5.4-dev libtet1.5-dev libsuitesparse-dev libopenblas-dev libosmesa6-dev
-libpng-dev libreadline-dev libcgal-dev libgmp-dev libmpfr-dev"
+libpng-dev libcairo2-dev fonts-dejavu-core libreadline-dev libcgal-dev libgmp-dev libmpfr-dev"
 testing=OFF
 if [ "${1:-}" = tests ]; then
     packages="$packages libcmocka-dev python3"

@@ -1,6 +1,6 @@
 /* cholesky.h - sparse Cholesky of symmetric positive definite matrices: analyse once, factorize often, solve
  * many right-hand sides together. The only file of the library that sees CHOLMOD (its 64-bit interface, METIS
- * ordering, supernodal). */
+ * ordering, supernodal) and LAPACK. */
 #ifndef SN_FIELD_CHOLESKY_H
 #define SN_FIELD_CHOLESKY_H
 
@@ -10,9 +10,16 @@
 typedef struct sn_cholesky sn_cholesky; /* opaque: one thread at a time */
 
 /* Orders and analyses the rows and columns of a with number[i] >= 0, where number maps them one to one onto
- * 0..n-1; the others are left out. Copies what it needs. Errors: SN_ENOMEM, SN_EINVAL (n < 1), SN_ESOLVE. */
+ * 0..n-1; the others are left out. rank: a value per unknown, those with the lowest are eliminated first
+ * (ties by number); NULL: METIS finds the order. Copies what it needs. Errors: SN_ENOMEM, SN_EINVAL (n < 1),
+ * SN_ESOLVE. */
 SN_MUST_USE sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
-                                         const sn_run *run, sn_error *err);
+                                         const int32_t *rank, const sn_run *run, sn_error *err);
+/* Another matrix of the same pattern, without a factor yet: shares the ordering, costs no analysis. c may go
+ * first. For use by another thread than c's, make it first. Errors: SN_ENOMEM. */
+SN_MUST_USE sn_status sn_cholesky_clone(sn_cholesky **out, const sn_cholesky *c, sn_error *err);
+/* rank: receives the place of each of the n unknowns in the order of elimination. */
+void sn_cholesky_order(const sn_cholesky *c, int32_t *rank);
 void sn_cholesky_destroy(sn_cholesky *c); /* NULL is fine */
 
 /* a: the matrix given to _create with other values. Errors: SN_ESOLVE (not positive definite: names the
@@ -23,6 +30,14 @@ SN_MUST_USE sn_status sn_cholesky_factorize(sn_cholesky *c, const sn_csr *a, con
  * SN_ENOMEM, SN_ECANCEL, SN_ELIMIT; x is then untouched. */
 SN_MUST_USE sn_status sn_cholesky_solve(sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run,
                                         sn_error *err);
-int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* nonzeros of the factor; 0 before it is there */
+/* The rows and columns index[0..n_index) (unknowns, all different) of the inverse. out: n_index x n_index,
+ * symmetric, whole. Touches only the columns of the factor on the paths from these unknowns to the root of
+ * the elimination tree: much cheaper than n_index solves. Needs a factor. Errors: SN_ENOMEM, SN_ECANCEL. */
+SN_MUST_USE sn_status sn_cholesky_inverse_block(const sn_cholesky *c, const int32_t *index, int32_t n_index,
+                                                const sn_run *run, double *out, sn_error *err);
+/* Dense: solves a x = b for a symmetric positive definite a (n x n, whole; overwritten) and n_rhs columns of
+ * x (right-hand sides in, solutions out). Errors: SN_ESOLVE (not positive definite: names the column). */
+SN_MUST_USE sn_status sn_dense_solve_spd(double *a, int32_t n, double *x, int32_t n_rhs, sn_error *err);
+int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* stored for the factor; known from the analysis */
 
 #endif

@@ -41,99 +41,182 @@ double sn_tet_gradients(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 grad[4])
     return det / 6.0;
 }
 
-void sn_vertex_tets_free(sn_vertex_tets *v)
+void sn_assembly_free(sn_assembly *a)
+{
+    sn_release(a->slot);
+    a->slot = NULL;
+}
+
+/* ---- pattern ---- */
+
+typedef struct vertex_tets { /* the tets around v are tet[ptr[v]] .. tet[ptr[v + 1] - 1], ascending */
+    int32_t *ptr, *tet;
+} vertex_tets;
+
+static void vertex_tets_free(vertex_tets *v)
 {
     sn_release(v->ptr);
     sn_release(v->tet);
-    memset(v, 0, sizeof *v);
 }
 
-sn_status sn_vertex_tets_build(sn_vertex_tets *out, const sn_tet_mesh *m, sn_error *err)
+static sn_status find_around(vertex_tets *out, const sn_tet_mesh *m, sn_error *err)
 {
     size_t n = 4 * (size_t)m->n_tet;
-    memset(out, 0, sizeof *out);
     out->ptr = SN_NEW_ZERO(int32_t, (size_t)m->n_vert + 2);
     out->tet = SN_NEW(int32_t, n);
-    if (!out->ptr || !out->tet || n > INT32_MAX) {
-        sn_vertex_tets_free(out);
+    if (!out->ptr || !out->tet || n > INT32_MAX)
         return sn_fail(err, SN_ENOMEM, "laplacian: no memory for %d tets", m->n_tet);
-    }
     for (size_t k = 0; k < n; k++) out->ptr[m->tet[k] + 2]++;
     for (int32_t v = 0; v < m->n_vert; v++) out->ptr[v + 2] += out->ptr[v + 1];
     for (size_t k = 0; k < n; k++) out->tet[out->ptr[m->tet[k] + 1]++] = (int32_t)(k >> 2);
     return SN_OK;
 }
 
-/* The distinct vertices of the tets around v, ascending, v itself among them; -1 when there are too many. */
-static int gather_row(const sn_tet_mesh *m, const sn_vertex_tets *around, int32_t v, int32_t row[MAX_ROW])
+/* The distinct vertices of the tets around v, v itself among them; -1 when there are too many. seen: n_vert,
+ * the last vertex that met each. */
+static int gather_row(const sn_tet_mesh *m, const vertex_tets *around, int32_t v, int32_t *seen,
+                      int32_t row[MAX_ROW])
 {
     int n = 0;
     for (int32_t i = around->ptr[v]; i < around->ptr[v + 1]; i++)
         for (int k = 0; k < 4; k++) {
             int32_t w = m->tet[4 * (size_t)around->tet[i] + (size_t)k];
-            int at = n;
-            while (at > 0 && row[at - 1] > w) at--;
-            if (at > 0 && row[at - 1] == w) continue;
+            if (seen[w] == v + 1) continue;
             if (n == MAX_ROW) return -1;
-            memmove(row + at + 1, row + at, (size_t)(n - at) * sizeof *row);
-            row[at] = w;
-            n++;
+            seen[w] = v + 1;
+            row[n++] = w;
         }
     return n;
 }
 
-static sn_status build_pattern(sn_csr *a, const sn_tet_mesh *m, const sn_vertex_tets *around,
-                               const sn_run *run, sn_error *err)
+static void sort_row(int32_t *row, int n)
+{
+    for (int i = 1; i < n; i++) {
+        int32_t w = row[i];
+        int at = i;
+        for (; at > 0 && row[at - 1] > w; at--) row[at] = row[at - 1];
+        row[at] = w;
+    }
+}
+
+/* Counts the rows (idx NULL) or fills them. seen: n_vert for each of n_part runs of vertices. */
+static bool gather_rows(sn_csr *a, const sn_tet_mesh *m, const vertex_tets *around, int32_t *seen, int n_part)
 {
     bool too_many = false;
+    size_t n = (size_t)a->n;
+    memset(seen, 0, n * (size_t)n_part * sizeof *seen);
+#pragma omp parallel for schedule(static, 1) num_threads(n_part) reduction(|| : too_many)
+    for (int p = 0; p < n_part; p++)
+        for (size_t v = n * (size_t)p / (size_t)n_part; v < n * ((size_t)p + 1) / (size_t)n_part; v++) {
+            int32_t row[MAX_ROW];
+            int count = gather_row(m, around, (int32_t)v, seen + n * (size_t)p, row);
+            too_many = too_many || count < 0;
+            if (a->idx) {
+                sort_row(row, count);
+                memcpy(a->idx + a->ptr[v], row, (size_t)count * sizeof *row);
+            } else {
+                a->ptr[v + 1] = count;
+            }
+        }
+    return !too_many;
+}
+
+static sn_status build_pattern(sn_csr *a, const sn_tet_mesh *m, const vertex_tets *around, const sn_run *run,
+                               sn_error *err)
+{
+    int n_part = sn_run_threads(run);
     a->n = m->n_vert;
     a->ptr = SN_NEW(int64_t, (size_t)a->n + 1);
-    if (!a->ptr) return sn_fail(err, SN_ENOMEM, "laplacian: no memory for %d rows", a->n);
-#pragma omp parallel for schedule(static) num_threads(sn_run_threads(run)) reduction(|| : too_many)
-    for (int32_t v = 0; v < a->n; v++) { /* count, then fill: the rows are cheap to find twice */
-        int32_t row[MAX_ROW];
-        int n = gather_row(m, around, v, row);
-        too_many = too_many || n < 0;
-        a->ptr[v + 1] = n;
+    int32_t *seen = SN_NEW(int32_t, (size_t)a->n * (size_t)n_part);
+    sn_status st = SN_OK;
+    if (!a->ptr || !seen) st = sn_fail(err, SN_ENOMEM, "laplacian: no memory for %d rows", a->n);
+    if (!st && !gather_rows(a, m, around, seen, n_part))
+        st = sn_fail(err, SN_EINVAL, "laplacian: a vertex has more than %d neighbours", MAX_ROW);
+    if (!st) {
+        a->ptr[0] = 0;
+        for (int32_t v = 0; v < a->n; v++) a->ptr[v + 1] += a->ptr[v];
+        a->idx = SN_NEW(int32_t, a->ptr[a->n]);
+        a->val = SN_NEW(double, a->ptr[a->n]);
+        if (a->idx && a->val)
+            (void)gather_rows(a, m, around, seen, n_part);
+        else
+            st = sn_fail(err, SN_ENOMEM, "laplacian: no memory for %lld entries", (long long)a->ptr[a->n]);
     }
-    if (too_many) return sn_fail(err, SN_EINVAL, "laplacian: a vertex has more than %d neighbours", MAX_ROW);
-    a->ptr[0] = 0;
-    for (int32_t v = 0; v < a->n; v++) a->ptr[v + 1] += a->ptr[v];
-    a->idx = SN_NEW(int32_t, a->ptr[a->n]);
-    a->val = SN_NEW_ZERO(double, a->ptr[a->n]);
-    if (!a->idx || !a->val)
-        return sn_fail(err, SN_ENOMEM, "laplacian: no memory for %lld entries", (long long)a->ptr[a->n]);
+    sn_release(seen);
+    return st;
+}
+
+static sn_status build_slots(sn_assembly *out, const sn_csr *a, const sn_tet_mesh *m, const sn_run *run,
+                             sn_error *err)
+{
+    out->slot = SN_NEW(uint16_t, 16 * (size_t)m->n_tet);
+    if (!out->slot) return sn_fail(err, SN_ENOMEM, "laplacian: no memory for %d tets", m->n_tet);
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
-    for (int32_t v = 0; v < a->n; v++) {
-        int32_t row[MAX_ROW];
-        int n = gather_row(m, around, v, row);
-        memcpy(a->idx + a->ptr[v], row, (size_t)n * sizeof *row);
+    for (int32_t t = 0; t < m->n_tet; t++) {
+        const int32_t *v = m->tet + 4 * (size_t)t;
+        for (int k = 0; k < 16; k++)
+            out->slot[16 * (size_t)t + (size_t)k] =
+                (uint16_t)(sn_csr_find(a, v[k / 4], v[k % 4]) - a->ptr[v[k / 4]]);
     }
     return SN_OK;
 }
 
-sn_status sn_laplacian_build(sn_csr *out, const sn_tet_mesh *m, const sn_run *run, sn_error *err)
+/* ---- values ---- */
+
+/* v with the mean tensor of a tet's corners applied. */
+static sn_vec3 apply_tensor(const double a[6], sn_vec3 v)
 {
-    sn_vertex_tets around = {0};
-    double size = sn_box3_diagonal(sn_tet_mesh_bounds(m));
-    sn_csr_free(out);
-    sn_status st = sn_run_step(run, "assembling", 0.0, err);
-    if (!st) st = sn_vertex_tets_build(&around, m, err);
-    if (!st) st = build_pattern(out, m, &around, run, err);
-    if (!st) {
-#pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
-        for (int32_t v = 0; v < out->n; v++)
-            for (int32_t i = around.ptr[v]; i < around.ptr[v + 1]; i++) {
-                sn_vec3 g[4];
-                int32_t t = around.tet[i];
-                const int32_t *c = m->tet + 4 * (size_t)t;
-                double volume = sn_tet_gradients(m, t, g);
-                int me = c[0] == v ? 0 : c[1] == v ? 1 : c[2] == v ? 2 : 3;
-                for (int k = 0; k < 4; k++) /* volume / size^3 * grad * size . grad * size */
-                    out->val[sn_csr_find(out, v, c[k])] += volume * sn_v3_dot(g[me], g[k]) / size;
-            }
+    return sn_v3(a[0] * v.x + a[1] * v.y + a[2] * v.z, a[1] * v.x + a[3] * v.y + a[4] * v.z,
+                 a[2] * v.x + a[4] * v.y + a[5] * v.z);
+}
+
+static void mean_tensor(const double *tensor, const int32_t *corner, double a[6])
+{
+    memset(a, 0, 6 * sizeof *a);
+    for (int k = 0; k < 4; k++)
+        for (int i = 0; i < 6; i++) a[i] += 0.25 * tensor[6 * (size_t)corner[k] + (size_t)i];
+}
+
+/* Tet by tet. tensor: NULL for the identity. */
+static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const double *tensor)
+{
+    double size = sn_box3_diagonal(sn_tet_mesh_bounds(m)), mean[6];
+    memset(a->val, 0, (size_t)a->ptr[a->n] * sizeof *a->val);
+    for (int32_t t = 0; t < m->n_tet; t++) {
+        const int32_t *v = m->tet + 4 * (size_t)t;
+        const uint16_t *slot = s->slot + 16 * (size_t)t;
+        sn_vec3 g[4];
+        double weight = sn_tet_gradients(m, t, g) / size; /* volume / size^3 * grad * size . grad * size */
+        if (tensor) mean_tensor(tensor, v, mean);
+        for (int i = 0; i < 4; i++) {
+            double *row = a->val + a->ptr[v[i]];
+            sn_vec3 flow = sn_v3_scale(weight, tensor ? apply_tensor(mean, g[i]) : g[i]);
+            for (int k = 0; k < 4; k++) row[slot[4 * i + k]] += sn_v3_dot(flow, g[k]);
+        }
     }
-    sn_vertex_tets_free(&around);
-    if (st) sn_csr_free(out);
+}
+
+sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_mesh *m, const sn_run *run,
+                             sn_error *err)
+{
+    vertex_tets around = {0};
+    sn_csr_free(out);
+    sn_assembly_free(assembly);
+    sn_status st = sn_run_step(run, "assembling", 0.0, err);
+    if (!st) st = find_around(&around, m, err);
+    if (!st) st = build_pattern(out, m, &around, run, err);
+    if (!st) st = build_slots(assembly, out, m, run, err);
+    if (!st) fill(out, assembly, m, NULL);
+    vertex_tets_free(&around);
+    if (st) {
+        sn_csr_free(out);
+        sn_assembly_free(assembly);
+    }
     return st;
+}
+
+void sn_laplacian_set_anisotropic(sn_csr *out, const sn_assembly *assembly, const sn_tet_mesh *m,
+                                  const double *tensor)
+{
+    fill(out, assembly, m, tensor);
 }

@@ -24,16 +24,23 @@ int64_t sn_csr_find(const sn_csr *a, int32_t i, int32_t j);
 /* Gradients of the four barycentric coordinates, per unit of length of the mesh; returns the volume. */
 double sn_tet_gradients(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 grad[4]);
 
-/* The tets around each vertex: those of v are tet[ptr[v]] .. tet[ptr[v + 1] - 1], ascending. */
-typedef struct sn_vertex_tets {
-    int32_t *ptr, *tet; /* n_vert + 1 and 4 n_tet; owned */
-} sn_vertex_tets;
-void sn_vertex_tets_free(sn_vertex_tets *v);
-SN_MUST_USE sn_status sn_vertex_tets_build(sn_vertex_tets *out, const sn_tet_mesh *m, sn_error *err);
+/* Where each entry of a tet's 4 x 4 matrix goes: value (a, b) of tet t to place slot[16 t + 4 a + b] of row
+ * tet[4 t + a]. Made once per mesh, so that matrices of the same pattern are assembled without searching. */
+typedef struct sn_assembly {
+    uint16_t *slot; /* n_tet x 16; owned */
+} sn_assembly;
+void sn_assembly_free(sn_assembly *a);
 
 /* L with L_ij = sum over tets of volume * grad b_i . grad b_j (positive semidefinite, rows add up to 0 up to
- * rounding). m: positive tets. The entries are summed in tet order: the same for any number of threads.
- * Errors: SN_ENOMEM, SN_ECANCEL. */
-SN_MUST_USE sn_status sn_laplacian_build(sn_csr *out, const sn_tet_mesh *m, const sn_run *run, sn_error *err);
+ * rounding). m: positive tets. The entries are summed in tet order. out, assembly: zero-initialised or
+ * filled. Errors: SN_ENOMEM, SN_ECANCEL, SN_EINVAL (a vertex with more than 4096 neighbours). */
+SN_MUST_USE sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_mesh *m,
+                                         const sn_run *run, sn_error *err);
+/* The values of the anisotropic form G' M A G [A Eq. 13]: grad b_i . A grad b_j with A the mean of the
+ * tensors at a tet's corners, into a matrix that has the pattern of m's Laplacian. tensor   n_vert x 6: xx xy
+ * xz yy yz zz of a symmetric positive definite tensor at each vertex The identity everywhere gives the
+ * Laplacian's values up to rounding. */
+void sn_laplacian_set_anisotropic(sn_csr *out, const sn_assembly *assembly, const sn_tet_mesh *m,
+                                  const double *tensor);
 
 #endif

@@ -2,7 +2,6 @@
 
 #include "base/alloc.h"
 #include "field/cholesky.h"
-#include "field/laplacian.h"
 
 #include <string.h>
 
@@ -11,10 +10,11 @@
 struct sn_tissue_solver {
     const sn_body *body;
     sn_csr laplacian, matrix; /* L, and L + alpha B'B of the same pattern */
-    int32_t *number;          /* n_vert: index among the unknowns, -1 on the skin */
+    sn_assembly assembly;
+    int32_t *number; /* n_vert: index among the unknowns, -1 on the skin */
     int32_t n_free;
     sn_cholesky *cholesky;
-    const sn_collocation *const *row;
+    const sn_tissue_muscle *muscle;
     int32_t n_muscle;
     double alpha;
     bool has_factor;
@@ -60,12 +60,12 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     s->body = body;
     double start = sn_clock();
     sn_status st = number_unknowns(s, err);
-    if (!st) st = sn_laplacian_build(&s->laplacian, &body->mesh, run, err);
+    if (!st) st = sn_laplacian_build(&s->laplacian, &s->assembly, &body->mesh, run, err);
     if (!st) st = copy_pattern(&s->matrix, &s->laplacian, err);
     s->report.seconds_assembly = sn_clock() - start;
     s->report.unknowns = s->n_free;
     start = sn_clock();
-    if (!st) st = sn_cholesky_create(&s->cholesky, &s->laplacian, s->number, s->n_free, run, err);
+    if (!st) st = sn_cholesky_create(&s->cholesky, &s->laplacian, s->number, s->n_free, NULL, run, err);
     s->report.seconds_analysis = sn_clock() - start;
     if (st)
         sn_tissue_solver_destroy(s);
@@ -80,37 +80,38 @@ void sn_tissue_solver_destroy(sn_tissue_solver *s)
     sn_cholesky_destroy(s->cholesky);
     sn_csr_free(&s->laplacian);
     sn_csr_free(&s->matrix);
+    sn_assembly_free(&s->assembly);
     sn_release(s->number);
     sn_release(s);
 }
 
-/* matrix = L + alpha B'B; a row of B touches the four corners of one tet, so the pattern is that of L. */
-static void assemble(sn_tissue_solver *s)
+/* Adds alpha B'B; a row of B touches the four corners of one tet, so it stays in the pattern of L. */
+static void add_rows(const sn_tissue_solver *s, sn_csr *matrix)
 {
     const sn_tet_mesh *m = &s->body->mesh;
-    memcpy(s->matrix.val, s->laplacian.val, (size_t)s->laplacian.ptr[s->laplacian.n] * sizeof(double));
     for (int32_t i = 0; i < s->n_muscle; i++)
-        for (int32_t r = 0; r < s->row[i]->n_row; r++) {
-            const int32_t *v = m->tet + 4 * (size_t)s->row[i]->tet[r];
-            const double *w = s->row[i]->bary + 4 * (size_t)r;
+        for (int32_t r = 0; r < s->muscle[i].row->n_row; r++) {
+            const int32_t *v = m->tet + 4 * (size_t)s->muscle[i].row->tet[r];
+            const double *w = s->muscle[i].row->bary + 4 * (size_t)r;
             for (int a = 0; a < 4; a++)
                 for (int b = 0; b < 4; b++)
-                    s->matrix.val[sn_csr_find(&s->matrix, v[a], v[b])] += s->alpha * w[a] * w[b];
+                    matrix->val[sn_csr_find(matrix, v[a], v[b])] += s->alpha * w[a] * w[b];
         }
 }
 
-sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_collocation *const *row, int32_t n_muscle,
+sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_tissue_muscle *muscle, int32_t n_muscle,
                                       double alpha, const sn_run *run, sn_error *err)
 {
     if (!(alpha > 0.0 && isfinite(alpha))) return sn_fail(err, SN_EINVAL, "alpha is %g, need > 0", alpha);
     double start = sn_clock();
     s->has_factor = false;
-    s->row = row;
+    s->muscle = muscle;
     s->n_muscle = n_muscle;
     s->alpha = alpha;
     s->report.collocation_points = 0;
-    for (int32_t i = 0; i < n_muscle; i++) s->report.collocation_points += row[i]->n_row;
-    assemble(s);
+    for (int32_t i = 0; i < n_muscle; i++) s->report.collocation_points += muscle[i].row->n_row;
+    memcpy(s->matrix.val, s->laplacian.val, (size_t)s->laplacian.ptr[s->laplacian.n] * sizeof(double));
+    add_rows(s, &s->matrix);
     sn_status st = sn_cholesky_factorize(s->cholesky, &s->matrix, run, err);
     s->report.seconds_factor = sn_clock() - start;
     s->report.factor_entries = sn_cholesky_factor_entries(s->cholesky);
@@ -121,7 +122,7 @@ sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_collocation 
 /* b = alpha B' d_i on the unknowns: the skin value of a muscle is 0. */
 static void muscle_rhs(const sn_tissue_solver *s, int32_t i, double *b)
 {
-    const sn_collocation *c = s->row[i];
+    const sn_collocation *c = s->muscle[i].row;
     memset(b, 0, (size_t)s->n_free * sizeof *b);
     for (int32_t r = 0; r < c->n_row; r++)
         for (int k = 0; k < 4; k++) {
@@ -150,22 +151,29 @@ static void tissue_rhs(const sn_tissue_solver *s, int32_t tissue, double fat, do
         muscle_rhs(s, tissue - 1, b);
 }
 
-/* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place): A includes the skin
- * columns, so b is only the data term. */
-static double residual_of(const sn_tissue_solver *s, int32_t tissue, double fat, const double *field,
-                          double *b)
+/* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place). b: room for n_free. */
+static double residual_of(const sn_tissue_solver *s, const sn_csr *matrix, int32_t tissue, double fat,
+                          const double *field, double *b)
 {
     double worst = 0.0, largest = 0.0;
     tissue_rhs(s, tissue, fat, b);
-    for (int32_t v = 0; v < s->matrix.n; v++) {
+    for (int32_t v = 0; v < matrix->n; v++) {
         if (s->number[v] < 0) continue;
         double sum = -b[s->number[v]];
-        for (int64_t k = s->matrix.ptr[v]; k < s->matrix.ptr[v + 1]; k++)
-            if (s->number[s->matrix.idx[k]] >= 0) sum += s->matrix.val[k] * field[s->matrix.idx[k]];
+        for (int64_t k = matrix->ptr[v]; k < matrix->ptr[v + 1]; k++)
+            if (s->number[matrix->idx[k]] >= 0) sum += matrix->val[k] * field[matrix->idx[k]];
         worst = fmax(worst, fabs(sum));
         largest = fmax(largest, fabs(b[s->number[v]]));
     }
     return largest > 0.0 ? worst / largest : worst;
+}
+
+/* The whole field of a tissue from the solution on the unknowns. */
+static void put_field(const sn_tissue_solver *s, int32_t tissue, double fat, const double *x, double *field)
+{
+    size_t n_vert = (size_t)s->body->mesh.n_vert;
+    double *f = field + (size_t)tissue * n_vert;
+    for (size_t v = 0; v < n_vert; v++) f[v] = s->number[v] >= 0 ? x[s->number[v]] : tissue == 0 ? fat : 0.0;
 }
 
 static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t n, double fat,
@@ -180,13 +188,109 @@ static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t
     double worst = 0.0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(max : worst)
     for (int32_t k = 0; k < n; k++) {
-        double *f = field + (size_t)tissue[k] * n_vert, *b = x + (size_t)k * (size_t)s->n_free;
-        for (size_t v = 0; v < n_vert; v++)
-            f[v] = s->number[v] >= 0 ? b[s->number[v]] : tissue[k] == 0 ? fat : 0.0;
-        worst = fmax(worst, residual_of(s, tissue[k], fat, f, b));
+        double *b = x + (size_t)k * (size_t)s->n_free;
+        put_field(s, tissue[k], fat, b, field);
+        worst =
+            fmax(worst, residual_of(s, &s->matrix, tissue[k], fat, field + (size_t)tissue[k] * n_vert, b));
     }
     s->report.residual = fmax(s->report.residual, worst);
     return SN_OK;
+}
+
+/* ---- anisotropic muscles: each with a matrix and a factor of its own, many at a time ---- */
+
+typedef struct own_solve {
+    int32_t tissue;
+    double residual;
+    sn_status status;
+    sn_error error;
+} own_solve;
+
+static sn_status solve_with(const sn_tissue_solver *s, own_solve *o, sn_csr *matrix, double *x,
+                            sn_cholesky *cholesky, const sn_run *run, double *field, sn_error *err)
+{
+    sn_status st = sn_run_step(run, "assembling", -1.0, err);
+    if (st) return st;
+    sn_laplacian_set_anisotropic(matrix, &s->assembly, &s->body->mesh, s->muscle[o->tissue - 1].tensor);
+    add_rows(s, matrix);
+    st = sn_cholesky_factorize(cholesky, matrix, run, err);
+    if (st) return st;
+    muscle_rhs(s, o->tissue - 1, x);
+    st = sn_cholesky_solve(cholesky, x, 1, run, err);
+    if (st) return st;
+    put_field(s, o->tissue, 0.0, x, field);
+    o->residual =
+        residual_of(s, matrix, o->tissue, 0.0, field + (size_t)o->tissue * (size_t)s->body->mesh.n_vert, x);
+    return SN_OK;
+}
+
+static sn_status solve_own(const sn_tissue_solver *s, own_solve *o, const sn_run *run, double *field,
+                           sn_error *err)
+{
+    sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
+    sn_cholesky *cholesky = NULL;
+    matrix.val = SN_NEW(double, matrix.ptr[matrix.n]);
+    double *x = SN_NEW(double, s->n_free);
+    sn_status st = matrix.val && x ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    if (!st) st = sn_cholesky_clone(&cholesky, s->cholesky, err);
+    if (!st) st = solve_with(s, o, &matrix, x, cholesky, run, field, err);
+    sn_cholesky_destroy(cholesky);
+    sn_release(matrix.val);
+    sn_release(x);
+    return st;
+}
+
+/* The error is that of the first tissue in order. */
+static sn_status solve_anisotropic(sn_tissue_solver *s, const int32_t *tissue, int32_t n, const sn_run *run,
+                                   double *field, sn_error *err)
+{
+    if (n == 0) return SN_OK;
+    sn_status st = sn_run_step(run, "factorizing anisotropic muscles", 0.0, err);
+    own_solve *own = SN_NEW_ZERO(own_solve, n);
+    if (!st && !own) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d muscles", n);
+    int threads = sn_run_threads(run), at_once = threads < n ? threads : n;
+    sn_run each = run ? *run : (sn_run){0};
+    each.progress = NULL; /* only the thread that called may report */
+    each.n_threads = threads / at_once;
+    for (int32_t i = 0; !st && i < n; i++) own[i].tissue = tissue[i];
+    if (!st &&
+        at_once == 1) { /* inside a team of one, CHOLMOD's own loops would make new threads each time */
+        for (int32_t i = 0; i < n; i++) own[i].status = solve_own(s, &own[i], &each, field, &own[i].error);
+    } else if (!st) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once)
+        for (int32_t i = 0; i < n; i++) own[i].status = solve_own(s, &own[i], &each, field, &own[i].error);
+    }
+    for (int32_t i = 0; !st && i < n; i++) {
+        st = own[i].status;
+        if (st && err) *err = own[i].error;
+        s->report.residual = fmax(s->report.residual, own[i].residual);
+    }
+    sn_release(own);
+    return st;
+}
+
+/* ---- all wanted tissues ---- */
+
+static bool is_anisotropic(const sn_tissue_solver *s, int32_t tissue)
+{
+    return tissue > 0 && s->muscle[tissue - 1].tensor;
+}
+
+static sn_status solve_lists(sn_tissue_solver *s, const int32_t *shared, int32_t n_shared, const int32_t *own,
+                             int32_t n_own, double fat, const sn_run *run, double *field, sn_error *err)
+{
+    double *x = SN_NEW(double, (size_t)(n_shared < BLOCK ? n_shared : BLOCK) * (size_t)s->n_free);
+    sn_status st = x ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n_shared);
+    for (int32_t first = 0; !st && first < n_shared; first += BLOCK) {
+        int32_t count = n_shared - first < BLOCK ? n_shared - first : BLOCK;
+        st = sn_run_step(run, "solving", (double)first / n_shared, err);
+        if (!st) st = solve_block(s, shared + first, count, fat, run, x, field, err);
+    }
+    sn_release(x);
+    double start = sn_clock();
+    if (!st) st = solve_anisotropic(s, own, n_own, run, field, err);
+    s->report.seconds_anisotropic = sn_clock() - start;
+    return st;
 }
 
 sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted, const sn_run *run,
@@ -195,22 +299,41 @@ sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wa
     if (!(fat >= 0.0 && isfinite(fat))) return sn_fail(err, SN_EINVAL, "fat is %g, need >= 0", fat);
     if (!s->has_factor) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
     double start = sn_clock();
-    int32_t n = 0, *tissue = SN_NEW(int32_t, s->n_muscle + 1);
-    for (int32_t i = 0; tissue && i <= s->n_muscle; i++)
-        if (!wanted || wanted[i]) tissue[n++] = i;
-    double *x = SN_NEW(double, (size_t)(n < BLOCK ? n : BLOCK) * (size_t)s->n_free);
-    sn_status st = tissue && x ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n);
-    s->report.residual = 0.0;
-    s->report.n_solved = n;
-    for (int32_t first = 0; !st && first < n; first += BLOCK) {
-        int32_t count = n - first < BLOCK ? n - first : BLOCK;
-        st = sn_run_step(run, "solving", (double)first / n, err);
-        if (!st) st = solve_block(s, tissue + first, count, fat, run, x, field, err);
+    int32_t n_shared = 0, n_own = 0, n = s->n_muscle + 1;
+    int32_t *shared = SN_NEW(int32_t, n), *own = SN_NEW(int32_t, n);
+    sn_status st = shared && own ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n);
+    for (int32_t i = 0; !st && i < n; i++) {
+        if (wanted && !wanted[i]) continue;
+        if (is_anisotropic(s, i))
+            own[n_own++] = i;
+        else
+            shared[n_shared++] = i;
     }
+    s->report.residual = 0.0;
+    s->report.n_solved = n_shared + n_own;
+    s->report.n_anisotropic = n_own;
+    if (!st) st = solve_lists(s, shared, n_shared, own, n_own, fat, run, field, err);
     s->report.seconds_solve = sn_clock() - start;
-    sn_release(tissue);
-    sn_release(x);
+    sn_release(shared);
+    sn_release(own);
     return st;
+}
+
+const sn_csr *sn_tissue_solver_laplacian(const sn_tissue_solver *s)
+{
+    return &s->laplacian;
+}
+
+void sn_tissue_solver_order(const sn_tissue_solver *s, int32_t *rank)
+{
+    const sn_csr *a = &s->laplacian;
+    sn_cholesky_order(s->cholesky, rank); /* fits: there are no more unknowns than vertices */
+    for (int32_t v = a->n - 1; v >= 0; v--) rank[v] = s->number[v] >= 0 ? rank[s->number[v]] : -1;
+    for (int32_t v = 0; v < a->n; v++) {
+        if (s->number[v] >= 0) continue;
+        for (int64_t k = a->ptr[v]; k < a->ptr[v + 1]; k++)
+            if (s->number[a->idx[k]] >= 0 && rank[a->idx[k]] > rank[v]) rank[v] = rank[a->idx[k]];
+    }
 }
 
 const sn_tissue_report *sn_tissue_solver_report(const sn_tissue_solver *s)

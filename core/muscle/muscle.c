@@ -1,177 +1,143 @@
 #include "muscle/muscle.h"
 
 #include "base/alloc.h"
+#include "muscle/path.h"
 
 #include <string.h>
 
+const char *const sn_architecture_name[SN_N_ARCHITECTURE + 1] = {
+    "fusiform", "parallel", "convergent", "unipennate", "bipennate", "multipennate", NULL};
+
 void sn_muscle_free(sn_muscle *m)
 {
+    for (int32_t i = 0; i < m->n_head; i++) sn_head_free(&m->head[i]);
+    sn_release(m->head);
     sn_release(m->name);
-    sn_release(m->point);
-    sn_release(m->tissue);
-    sn_spline_free(&m->spline);
     memset(m, 0, sizeof *m);
 }
 
-static sn_status check_tissue(const char *name, int32_t i_point, double value, sn_error *err)
+sn_status sn_muscle_blame(const sn_muscle *m, int32_t i_head, sn_status st, sn_error *err)
 {
-    if (value > 0.0 && isfinite(value)) return SN_OK;
-    return sn_fail(err, SN_EINVAL, "muscle '%s': tissue of point %d is %g, need > 0", name, i_point + 1,
-                   value);
+    if (!st) return SN_OK;
+    if (m->n_head > 1 && i_head >= 0)
+        return sn_fail_prefix(err, st, "muscle '%s', head %d: ", m->name, i_head + 1);
+    return sn_fail_prefix(err, st, "muscle '%s': ", m->name);
 }
 
-/* Takes new points and tissues (n of them, by sn_alloc) when they make a curve; releases them when not. */
-static sn_status adopt(sn_muscle *m, const char *name, double *point, double *tissue, int32_t n,
-                       sn_error *err)
-{
-    sn_spline spline = {0};
-    sn_status st = sn_spline_build(&spline, point, n, err);
-    if (st) {
-        (void)sn_fail_prefix(err, st, "muscle '%s': ", name);
-        sn_release(point);
-        sn_release(tissue);
-        return st;
-    }
-    sn_release(m->point);
-    sn_release(m->tissue);
-    sn_spline_free(&m->spline);
-    m->point = point;
-    m->tissue = tissue;
-    m->n_point = n;
-    m->spline = spline;
-    return SN_OK;
-}
-
-static sn_status no_memory(const char *name, sn_error *err)
-{
-    return sn_fail(err, SN_ENOMEM, "muscle '%s': no memory", name);
-}
-
-sn_status sn_muscle_init(sn_muscle *m, const char *name, const double *point, const double *tissue, int32_t n,
+sn_status sn_muscle_init(sn_muscle *m, const char *name, const sn_head_points *head, int32_t n_head,
                          sn_error *err)
 {
     memset(m, 0, sizeof *m);
-    for (int32_t i = 0; tissue && i < n; i++) {
-        sn_status st = check_tissue(name, i, tissue[i], err);
-        if (st) return st;
-    }
-    double *p = SN_NEW(double, 3 * (size_t)n), *t = SN_NEW(double, n);
     m->name = sn_strdup(name);
-    if (!p || !t || !m->name) {
-        sn_release(p);
-        sn_release(t);
-        sn_muscle_free(m);
-        return no_memory(name, err);
-    }
-    if (n > 0) memcpy(p, point, 3 * (size_t)n * sizeof *p);
-    for (int32_t i = 0; i < n; i++) t[i] = tissue ? tissue[i] : 1.0;
-    sn_status st = adopt(m, name, p, t, n, err);
+    m->head = SN_NEW_ZERO(sn_head, n_head);
+    sn_status st = SN_OK;
+    if (!m->name || !m->head) st = sn_fail(err, SN_ENOMEM, "muscle '%s': no memory", name);
+    m->n_head = m->head ? n_head : 0;
+    for (int32_t i = 0; i < m->n_head && !st; i++)
+        st = sn_muscle_blame(m, i, sn_head_init(&m->head[i], &head[i], err), err);
     if (st) sn_muscle_free(m);
     return st;
 }
 
-/* A copy of the points and tissues with a gap of `gap` (-1, 0, 1) at i_point, then adopted by the caller. */
-static bool copy_with_gap(const sn_muscle *m, int32_t i_point, int gap, double **point, double **tissue)
+sn_status sn_muscle_copy(sn_muscle *out, const sn_muscle *m, sn_error *err)
 {
-    int32_t n = m->n_point + gap, tail = m->n_point - i_point - (gap < 0);
-    *point = SN_NEW(double, 3 * (size_t)n);
-    *tissue = SN_NEW(double, n);
-    if (!*point || !*tissue) {
-        sn_release(*point);
-        sn_release(*tissue);
-        return false;
-    }
-    size_t to = (size_t)i_point + (gap > 0), from = (size_t)i_point + (gap < 0);
-    memcpy(*point, m->point, 3 * (size_t)i_point * sizeof **point);
-    memcpy(*tissue, m->tissue, (size_t)i_point * sizeof **tissue);
-    memcpy(*point + 3 * to, m->point + 3 * from, 3 * (size_t)tail * sizeof **point);
-    memcpy(*tissue + to, m->tissue + from, (size_t)tail * sizeof **tissue);
-    return true;
-}
-
-sn_status sn_muscle_set_point(sn_muscle *m, int32_t i_point, sn_vec3 p, sn_error *err)
-{
-    double *point, *tissue;
-    if (!copy_with_gap(m, i_point, 0, &point, &tissue)) return no_memory(m->name, err);
-    sn_v3_store(point + 3 * (size_t)i_point, p);
-    return adopt(m, m->name, point, tissue, m->n_point, err);
-}
-
-sn_status sn_muscle_insert_point(sn_muscle *m, int32_t i_point, sn_vec3 p, double value, sn_error *err)
-{
-    double *point, *tissue;
-    sn_status st = check_tissue(m->name, i_point, value, err);
+    sn_head_points *from = SN_NEW(sn_head_points, m->n_head);
+    if (!from) return sn_fail(err, SN_ENOMEM, "muscle '%s': no memory", m->name);
+    for (int32_t i = 0; i < m->n_head; i++)
+        from[i] = (sn_head_points){m->head[i].point, m->head[i].tissue, m->head[i].n_point};
+    sn_status st = sn_muscle_init(out, m->name, from, m->n_head, err);
+    sn_release(from);
     if (st) return st;
-    if (!copy_with_gap(m, i_point, 1, &point, &tissue)) return no_memory(m->name, err);
-    sn_v3_store(point + 3 * (size_t)i_point, p);
-    tissue[i_point] = value;
-    return adopt(m, m->name, point, tissue, m->n_point + 1, err);
-}
-
-sn_status sn_muscle_remove_point(sn_muscle *m, int32_t i_point, sn_error *err)
-{
-    double *point, *tissue;
-    if (m->n_point <= 2)
-        return sn_fail(err, SN_EINVAL, "muscle '%s': has 2 points, the fewest a curve can have", m->name);
-    if (!copy_with_gap(m, i_point, -1, &point, &tissue)) return no_memory(m->name, err);
-    return adopt(m, m->name, point, tissue, m->n_point - 1, err);
-}
-
-sn_status sn_muscle_set_tissue(sn_muscle *m, int32_t i_point, double value, sn_error *err)
-{
-    sn_status st = check_tissue(m->name, i_point < 0 ? 0 : i_point, value, err);
-    if (st) return st;
-    for (int32_t i = 0; i < m->n_point; i++)
-        if (i_point < 0 || i == i_point) m->tissue[i] = value;
+    out->anisotropy = m->anisotropy;
+    out->pennation = m->pennation;
+    out->tendon = m->tendon;
     return SN_OK;
 }
 
-double sn_muscle_tissue_at(const sn_muscle *m, int32_t i_seg, double s)
-{
-    return m->tissue[i_seg] + s * (m->tissue[i_seg + 1] - m->tissue[i_seg]);
-}
+/* ---- wishes ---- */
 
-void sn_collocation_free(sn_collocation *c)
+sn_status sn_muscle_set_anisotropy(sn_muscle *m, const sn_anisotropy *a, sn_error *err)
 {
-    sn_release(c->tet);
-    sn_release(c->bary);
-    sn_release(c->value);
-    memset(c, 0, sizeof *c);
-}
-
-sn_status sn_collocate(const sn_muscle *m, const sn_body *b, const sn_locator *l, sn_collocation *out,
-                       sn_notes *notes, sn_error *err)
-{
-    sn_trace trace = {0};
-    sn_collocation_free(out);
-    sn_status st = sn_trace_curve(b, l, m->spline.seg, m->spline.n_seg, &trace, err);
-    if (st) return sn_fail_prefix(err, st, "muscle '%s': ", m->name);
-    if (trace.n_piece == 0) {
-        sn_trace_free(&trace);
-        return sn_fail(err, SN_EINVAL, "muscle '%s': its curve never enters the soft tissue inside the skin",
-                       m->name);
+    if (a->is_on && !isfinite(a->angle_deg))
+        return sn_fail(err, SN_EINVAL, "muscle '%s': angle of the frame is %g, need a finite number", m->name,
+                       a->angle_deg);
+    for (int k = 0; a->is_on && k < 3; k++)
+        if (!(a->eigenvalue[k] > 0.0 && isfinite(a->eigenvalue[k])))
+            return sn_fail(err, SN_EINVAL, "muscle '%s': eigenvalue %d is %g, need > 0", m->name, k + 1,
+                           a->eigenvalue[k]);
+    if (a->is_on && a->has_axis) {
+        sn_vec3 t = sn_spline_tangent(&m->head[0].spline, 0.0), n;
+        if (!sn_v3_is_finite(a->axis) || !sn_normal_towards(t, a->axis, &n))
+            return sn_fail(
+                err, SN_EINVAL,
+                "muscle '%s': axis {%g, %g, %g} of the frame runs along the curve, need a direction "
+                "across it",
+                m->name, a->axis.x, a->axis.y, a->axis.z);
     }
-    out->n_row = (int32_t)trace.n_piece;
-    out->tet = SN_NEW(int32_t, out->n_row);
-    out->bary = SN_NEW(double, 4 * (size_t)out->n_row);
-    out->value = SN_NEW(double, out->n_row);
-    out->length_inside = trace.length_inside;
-    out->length_outside = trace.length_outside;
-    if (out->tet && out->bary && out->value) {
-        for (int32_t i = 0; i < out->n_row; i++) {
-            const sn_trace_piece *p = &trace.piece[i];
-            out->tet[i] = p->tet;
-            memcpy(out->bary + 4 * (size_t)i, p->bary, sizeof p->bary);
-            out->value[i] = sn_muscle_tissue_at(m, p->i_seg, p->s);
+    m->anisotropy = *a;
+    return SN_OK;
+}
+
+sn_status sn_muscle_set_pennation(sn_muscle *m, const sn_pennation *p, sn_error *err)
+{
+    bool leans = p->kind >= SN_UNIPENNATE;
+    if (leans && (p->n_angle < 1 || p->n_angle > SN_PENNATION_ANGLES))
+        return sn_fail(err, SN_EINVAL, "muscle '%s': %d pennation angles, need 1..%d", m->name, p->n_angle,
+                       SN_PENNATION_ANGLES);
+    if (!leans && p->n_angle > 0)
+        return sn_fail(err, SN_EINVAL, "muscle '%s': fibers that are %s have no pennation angle", m->name,
+                       sn_architecture_name[p->kind]);
+    for (int32_t i = 0; i < p->n_angle; i++)
+        if (!(p->angle_deg[i] >= 0.0 && p->angle_deg[i] <= 80.0))
+            return sn_fail(err, SN_EINVAL, "muscle '%s': pennation angle %d is %g degrees, need 0..80",
+                           m->name, i + 1, p->angle_deg[i]);
+    if (p->kind == SN_MULTIPENNATE && (p->n_sheet < 2 || p->n_sheet > 16))
+        return sn_fail(err, SN_EINVAL, "muscle '%s': %d aponeuroses, need 2..16", m->name, p->n_sheet);
+    m->pennation = *p;
+    return SN_OK;
+}
+
+sn_status sn_muscle_set_tendon(sn_muscle *m, const sn_tendon *t, sn_error *err)
+{
+    if (!(t->length >= 0.0 && isfinite(t->length)))
+        return sn_fail(err, SN_EINVAL, "muscle '%s': tendon length is %g, need >= 0", m->name, t->length);
+    if (!(t->area >= 0.0 && isfinite(t->area)))
+        return sn_fail(err, SN_EINVAL, "muscle '%s': tendon area is %g, need >= 0", m->name, t->area);
+    m->tendon = *t;
+    return SN_OK;
+}
+
+void sn_muscle_scale_tissue(sn_muscle *m, double factor)
+{
+    for (int32_t h = 0; h < m->n_head; h++)
+        for (int32_t i = 0; i < m->head[h].n_point; i++) m->head[h].tissue[i] *= factor;
+}
+
+/* ---- what it is ---- */
+
+double sn_muscle_length(const sn_muscle *m)
+{
+    double sum = 0.0;
+    for (int32_t i = 0; i < m->n_head; i++) sum += sn_spline_length(&m->head[i].spline);
+    return sum;
+}
+
+static bool all_meet(const sn_muscle *m, bool at_origin)
+{
+    for (int32_t i = 0; i < m->n_head; i++)
+        for (int32_t k = 0; k < i; k++) {
+            const sn_head *a = &m->head[i], *b = &m->head[k];
+            size_t ia = at_origin ? 0 : (size_t)a->n_point - 1, ib = at_origin ? 0 : (size_t)b->n_point - 1;
+            double reach =
+                SN_SHARED_END_REL * fmin(sn_spline_length(&a->spline), sn_spline_length(&b->spline));
+            if (sn_v3_dist(sn_v3_load(a->point + 3 * ia), sn_v3_load(b->point + 3 * ib)) > reach)
+                return false;
         }
-    } else {
-        sn_collocation_free(out);
-        st = no_memory(m->name, err);
-    }
-    double length = sn_spline_length(&m->spline);
-    if (!st && trace.length_outside > SN_LENGTH_LOST_REL * length)
-        sn_notes_add(notes, "muscle '%s': %g of its curve's %g lies outside the soft tissue and is not used",
-                     m->name, trace.length_outside, length);
-    sn_trace_free(&trace);
-    return st;
+    return true;
+}
+
+sn_shared_end sn_muscle_shared_end(const sn_muscle *m)
+{
+    if (all_meet(m, false)) return SN_SHARE_INSERTION;
+    return all_meet(m, true) ? SN_SHARE_ORIGIN : SN_SHARE_NONE;
 }

@@ -99,6 +99,16 @@ void sn_spline_at(const sn_spline *s, double a, int32_t *i_seg, double *t)
     *t = want <= 0.0 ? 0.0 : want >= s->arc[i + 1] - s->arc[i] ? 1.0 : 0.5 * (lo + hi);
 }
 
+sn_vec3 sn_spline_tangent(const sn_spline *s, double a)
+{
+    int32_t seg;
+    double t;
+    sn_spline_at(s, a, &seg, &t);
+    const sn_cubic *c = &s->seg[seg];
+    sn_vec3 d = sn_cubic_tangent(c, t), chord = sn_v3_sub(sn_cubic_point(c, 1.0), c->c[0]);
+    return sn_v3_unit(sn_v3_len(d) > 1e-9 * sn_v3_len(chord) ? d : chord);
+}
+
 void sn_spline_sample(const sn_spline *s, int32_t n, double *out)
 {
     double length = sn_spline_length(s);

@@ -45,6 +45,14 @@ static inline void sn_frame_place(const sn_frame *f, sn_vec3 p, float out[3])
     out[1] = (float)(p.y - f->eye.y);
     out[2] = (float)(p.z - f->eye.z);
 }
+/* A colour in one number of a vertex: 65536 r + 256 g + b in bytes, which a float holds exactly. */
+static inline float sn_color_pack(sn_rgb c)
+{
+    const float in[3] = {c.r, c.g, c.b};
+    float sum = 0.0f;
+    for (int k = 0; k < 3; k++) sum = 256.0f * sum + floorf(255.0f * fminf(fmaxf(in[k], 0.0f), 1.0f) + 0.5f);
+    return sum;
+}
 /* > 0 on the side that the clip plane removes. */
 static inline double sn_frame_removed(const sn_frame *f, sn_vec3 p)
 {
@@ -72,6 +80,10 @@ typedef struct sn_muscle_pass {
 SN_MUST_USE sn_status sn_muscle_pass_prepare(sn_muscle_pass *p, const sn_frame *f, sn_error *err);
 void sn_muscle_pass_draw(const sn_muscle_pass *p, const sn_frame *f);
 void sn_muscle_pass_free(sn_muscle_pass *p);
+
+/* Tells the current program how many texels a candidate has (one more when the scene has tendons) and the
+ * tendons' colour. */
+void sn_muscle_use_tendon(const sn_frame *f, GLuint program, int texels);
 
 struct sn_muscle_tets;
 SN_MUST_USE sn_status sn_cut_border(sn_muscle_pass *p, const sn_frame *f, const struct sn_muscle_tets *m,
@@ -116,6 +128,31 @@ typedef struct sn_line_pass {
 SN_MUST_USE sn_status sn_line_pass_prepare(sn_line_pass *p, const sn_frame *f, sn_error *err);
 void sn_line_pass_draw(const sn_line_pass *p, const sn_frame *f);
 void sn_line_pass_free(sn_line_pass *p);
+
+/* ---- fibers: picture_fibers.c; arrows: picture_arrows.c ---- */
+
+typedef struct sn_vertex_batch {
+    GLuint array;
+    GLsizei n_vert;
+} sn_vertex_batch;
+typedef struct sn_fiber_pass {
+    GLuint program;
+    sn_vertex_batch *batch; /* owned */
+    int n_batch;
+    bool is_solid; /* drawn with the solid things (no muscles are), else in the layer of the curves */
+} sn_fiber_pass;
+SN_MUST_USE sn_status sn_fiber_pass_prepare(sn_fiber_pass *p, const sn_frame *f, sn_error *err);
+void sn_fiber_pass_draw(const sn_fiber_pass *p, const sn_frame *f);
+void sn_fiber_pass_free(sn_fiber_pass *p);
+
+typedef struct sn_arrow_pass {
+    GLuint program;
+    sn_vertex_batch *batch; /* owned */
+    int n_batch;
+} sn_arrow_pass;
+SN_MUST_USE sn_status sn_arrow_pass_prepare(sn_arrow_pass *p, const sn_frame *f, sn_error *err);
+void sn_arrow_pass_draw(const sn_arrow_pass *p, const sn_frame *f);
+void sn_arrow_pass_free(sn_arrow_pass *p);
 
 /* ---- putting together: picture_target.c (framebuffers, light), picture_resolve.c (samples to pixels) ----
  */

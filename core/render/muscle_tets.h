@@ -40,5 +40,11 @@ static inline double sn_muscle_above_fat(const sn_picture_scene *s, int32_t i_mu
     size_t n = (size_t)s->tets->n_vert;
     return s->field[(size_t)(i_muscle + 1) * n + (size_t)i_vert] - s->field[i_vert];
 }
+/* 0 or less: no tendon. */
+static inline double sn_muscle_tendon(const sn_picture_scene *s, int32_t i_muscle, int32_t i_vert)
+{
+    const float *t = s->tendon ? s->tendon[i_muscle] : NULL;
+    return t ? (double)t[i_vert] : 0.0;
+}
 
 #endif

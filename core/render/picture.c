@@ -44,6 +44,13 @@ static sn_status check_scene(const sn_picture_scene *s, sn_error *err)
         return sn_fail(err, SN_EINVAL,
                        "picture: a tet mesh with %d tissues, need 1 (fat) or more and their values",
                        s->n_tissue);
+    for (int32_t i = 0; i < s->n_fiber; i++)
+        for (int32_t k = 0; k < s->fiber[i].n_point; k++)
+            if (!sn_v3_is_finite(sn_v3_load(s->fiber[i].point + 3 * (size_t)k)))
+                return sn_fail(err, SN_EINVAL, "picture: point %d of fiber %d is not finite", k + 1, i + 1);
+    for (int32_t i = 0; i < s->n_arrow; i++)
+        if (!sn_v3_is_finite(s->arrow[i].from) || !sn_v3_is_finite(s->arrow[i].along))
+            return sn_fail(err, SN_EINVAL, "picture: arrow %d is not finite", i + 1);
     return SN_OK;
 }
 
@@ -58,6 +65,11 @@ static double scene_unit(const sn_picture_scene *s)
     for (int i = 0; i < s->n_curve; i++)
         for (int k = 0; k < s->curve[i].n_point; k++)
             box = sn_box3_add(box, sn_v3_load(s->curve[i].point + 3 * (size_t)k));
+    for (int i = 0; i < s->n_fiber; i++)
+        for (int k = 0; k < s->fiber[i].n_point; k++)
+            box = sn_box3_add(box, sn_v3_load(s->fiber[i].point + 3 * (size_t)k));
+    for (int i = 0; i < s->n_arrow; i++)
+        box = sn_box3_add(sn_box3_add(box, s->arrow[i].from), sn_v3_add(s->arrow[i].from, s->arrow[i].along));
     double d = sn_box3_diagonal(box);
     return d > 0.0 ? d : 1.0;
 }
@@ -139,6 +151,8 @@ typedef struct drawing { /* everything that lives for one picture */
     sn_muscle_pass muscles;
     sn_surface_pass surfaces;
     sn_line_pass lines;
+    sn_fiber_pass fibers;
+    sn_arrow_pass arrows;
     sn_targets targets;
     float *samples;                                  /* one tile, read back */
     int tile_width, tile_height, pixels_x, pixels_y; /* framebuffer, and the pixels that a tile brings */
@@ -164,7 +178,11 @@ static sn_status prepare(drawing *d, int tile_side, sn_error *err)
     if (st) return st;
     plan_tiles(d, tile_side);
     d->targets.has_skin = opt->show_skin && f->scene->skin && opt->skin_opacity > 0.0;
-    d->targets.has_lines = (opt->show_curves || opt->show_points) && f->scene->n_curve > 0;
+    bool has_curves = (opt->show_curves || opt->show_points) && f->scene->n_curve > 0;
+    bool has_fibers = opt->show_fibers && f->scene->n_fiber > 0;
+    bool has_arrows = opt->show_frames && f->scene->n_arrow > 0;
+    bool has_muscles = opt->show_muscles && f->scene->tets;
+    d->targets.has_lines = has_curves || has_arrows || (has_fibers && has_muscles);
     d->samples = sn_alloc(4 * (size_t)d->tile_width * (size_t)d->tile_height, sizeof *d->samples);
     if (!d->samples)
         return sn_fail(err, SN_ENOMEM, "picture: no memory for a tile of %d x %d samples", d->tile_width,
@@ -172,8 +190,10 @@ static sn_status prepare(drawing *d, int tile_side, sn_error *err)
     st = sn_targets_create(&d->targets, f, d->tile_width, d->tile_height, err);
     if (!st) st = sn_run_step(f->run, "sending bones", 0.0, err);
     if (!st) st = sn_surface_pass_prepare(&d->surfaces, f, err);
-    if (!st && d->targets.has_lines) st = sn_line_pass_prepare(&d->lines, f, err);
-    if (!st && opt->show_muscles && f->scene->tets) st = sn_muscle_pass_prepare(&d->muscles, f, err);
+    if (!st && has_curves) st = sn_line_pass_prepare(&d->lines, f, err);
+    if (!st && has_fibers) st = sn_fiber_pass_prepare(&d->fibers, f, err);
+    if (!st && has_arrows) st = sn_arrow_pass_prepare(&d->arrows, f, err);
+    if (!st && has_muscles) st = sn_muscle_pass_prepare(&d->muscles, f, err);
     return st;
 }
 
@@ -195,6 +215,16 @@ static void draw_solids(const drawing *d)
     sn_targets_begin(&d->targets, f, d->targets.solid_frame);
     if (d->muscles.tet_program) sn_muscle_pass_draw(&d->muscles, f);
     sn_surface_pass_bones(&d->surfaces, f);
+    if (d->fibers.is_solid) sn_fiber_pass_draw(&d->fibers, f);
+}
+
+static void draw_lines(const drawing *d)
+{
+    const sn_frame *f = &d->frame;
+    sn_targets_begin(&d->targets, f, d->targets.line_frame);
+    if (d->fibers.program && !d->fibers.is_solid) sn_fiber_pass_draw(&d->fibers, f);
+    if (d->lines.program) sn_line_pass_draw(&d->lines, f);
+    if (d->arrows.program) sn_arrow_pass_draw(&d->arrows, f);
 }
 
 /* Steps report through `done` of all pixels; each step may be the last when the caller wants to stop. */
@@ -210,10 +240,7 @@ static sn_status draw_tile(drawing *d, sn_pixels px, double done, sn_image *out,
         sn_targets_begin(&d->targets, f, d->targets.skin_frame);
         sn_surface_pass_skin(&d->surfaces, f);
     }
-    if (d->targets.has_lines) {
-        sn_targets_begin(&d->targets, f, d->targets.line_frame);
-        sn_line_pass_draw(&d->lines, f);
-    }
+    if (d->targets.has_lines) draw_lines(d);
     st = sn_run_step(f->run, "lighting", 0.5 + 0.5 * done, err);
     if (st) return st;
     sn_targets_occlusion(&d->targets, f);
@@ -259,6 +286,8 @@ static void drawing_free(drawing *d)
     sn_muscle_pass_free(&d->muscles);
     sn_surface_pass_free(&d->surfaces);
     sn_line_pass_free(&d->lines);
+    sn_fiber_pass_free(&d->fibers);
+    sn_arrow_pass_free(&d->arrows);
     sn_release(d->samples);
     sn_context_destroy(d->context);
 }

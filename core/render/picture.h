@@ -8,7 +8,10 @@
  *
  * With a clip plane, the cut is a section as in an atlas: plain colours of the tissues (fat is pale cream),
  * bones capped in their own, dark lines between. The section shows only to an eye on the removed side. Bones
- * that are not closed get no cap. Curves are laid over the rest, faint where something solid hides them.
+ * that are not closed get no cap. Curves, control points and arrows (show_frames) are laid over the rest,
+ * faint where something solid hides them. Fibers are solid when no muscles are drawn: bones hide them, and
+ * they shade each other; else they are laid over the rest, too. Tendon is pearly white in place of the
+ * muscle's colour, on its surface and in the section.
  *
  * Each call makes its own OpenGL context and leaves no context current. LP_NUM_THREADS sets the threads that
  * llvmpipe draws with; sn_run only those that prepare. */
@@ -37,6 +40,17 @@ typedef struct sn_picture_curve {
     sn_rgb color;
 } sn_picture_curve;
 
+typedef struct sn_picture_line { /* one of many thin lines: a fiber */
+    const double *point;         /* n_point x 3 */
+    int32_t n_point;
+    sn_rgb color; /* drawn a little darker or lighter from line to line */
+} sn_picture_line;
+
+typedef struct sn_picture_arrow { /* nothing is drawn of one without a length */
+    sn_vec3 from, along;          /* its tip is at from + along; as thick as its length asks for */
+    sn_rgb color;
+} sn_picture_arrow;
+
 typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised = nothing to draw */
     const sn_tet_mesh *tets;      /* NULL: no muscles                                                */
     const double *field;          /* n_tissue x n_vert, row 0 is fat, then the muscles in order       */
@@ -46,6 +60,12 @@ typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised
     const sn_tri_mesh *skin; /* NULL: none */
     const sn_picture_curve *curve;
     int32_t n_curve;
+    const sn_picture_line *fiber; /* about 80 bytes per point go to OpenGL */
+    int32_t n_fiber;
+    const sn_picture_arrow *arrow; /* 14 kB each */
+    int32_t n_arrow;
+    const float *const *tendon; /* NULL: none; per muscle (n_tissue - 1) NULL or n_vert values: the muscle is
+                                   tendon where the value, linear in each tet, is above 0 */
     double unit; /* a length of the scene (box diagonal) that widths of lines and shadows follow; 0: from what
                     is there */
 } sn_picture_scene;
@@ -53,7 +73,7 @@ typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised
 typedef struct sn_picture_options {
     sn_camera camera;
     int32_t width, height;
-    bool show_muscles, show_bones, show_skin, show_curves, show_points;
+    bool show_muscles, show_bones, show_skin, show_curves, show_points, show_fibers, show_frames;
     bool has_clip; /* removes what lies on the side the normal points to; the cut shows the tissues */
     sn_vec3 clip_point, clip_normal;
     float background[4]; /* RGBA, straight alpha, 0..1 */

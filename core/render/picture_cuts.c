@@ -14,8 +14,8 @@ static const sn_rgb fat_color = {0.965f, 0.925f, 0.780f}; /* pale cream */
 typedef struct pieces { /* triangles waiting to be sent */
     float *corner;      /* 27 per triangle: place, normal; number of the corner, triangle, 0 */
     float *face;        /* 4 per triangle: first texel, number of candidates */
-    float *cand;        /* 4 per candidate: g at the corners, muscle */
-    size_t corner_cap, face_cap, cand_cap, n_face, n_cand;
+    float *cand;        /* 4 per candidate: g at the corners, muscle; with tendons 4 more: theirs, 0 */
+    size_t corner_cap, face_cap, cand_cap, n_face, n_texel;
 } pieces;
 
 static void pieces_free(pieces *p)
@@ -36,9 +36,10 @@ static sn_status pieces_send(pieces *p, sn_cut_batch **list, int *n_list, const 
     b->n_vert = (GLsizei)(3 * p->n_face);
     b->array = sn_gl_vertex_array(&f->gl, 3, p->corner, 3 * p->n_face);
     b->face = sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->face, 4 * p->n_face * sizeof(float));
-    b->cand = p->n_cand > 0 ? sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->cand, 4 * p->n_cand * sizeof(float))
-                            : sn_gl_buffer_texture(&f->gl, GL_RGBA32F, none, sizeof none);
-    p->n_face = p->n_cand = 0;
+    b->cand = p->n_texel > 0
+                  ? sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->cand, 4 * p->n_texel * sizeof(float))
+                  : sn_gl_buffer_texture(&f->gl, GL_RGBA32F, none, sizeof none);
+    p->n_face = p->n_texel = 0;
     return sn_gl_check(&f->gl, "sending sections", err);
 }
 
@@ -54,13 +55,20 @@ static double value_at(const sn_picture_scene *s, int32_t i_muscle, const cut_co
     return c->a == c->b ? ga : ga + c->at * (sn_muscle_above_fat(s, i_muscle, c->b) - ga);
 }
 
+static float tendon_at(const sn_picture_scene *s, int32_t i_muscle, const cut_corner *c)
+{
+    double a = sn_muscle_tendon(s, i_muscle, c->a);
+    return (float)(c->a == c->b ? a : a + c->at * (sn_muscle_tendon(s, i_muscle, c->b) - a));
+}
+
 /* Adds a triangle with n muscles; sends what waits when the texels of one buffer are used up. */
 static sn_status pieces_add(pieces *p, const sn_frame *f, const cut_corner c[3], const int32_t *muscle,
                             int32_t n, sn_error *err)
 {
+    bool has_tendon = f->scene->tendon != NULL;
     if (!sn_grow(&p->corner, &p->corner_cap, 27 * (p->n_face + 1), sizeof(float)) ||
         !sn_grow(&p->face, &p->face_cap, 4 * (p->n_face + 1), sizeof(float)) ||
-        !sn_grow(&p->cand, &p->cand_cap, 4 * (p->n_cand + (size_t)n), sizeof(float)))
+        !sn_grow(&p->cand, &p->cand_cap, 4 * (p->n_texel + 2 * (size_t)n), sizeof(float)))
         return sn_fail(err, SN_ENOMEM, "picture: no memory for %zu section triangles", p->n_face + 1);
     for (int k = 0; k < 3; k++) {
         float *q = p->corner + 27 * p->n_face + 9 * k;
@@ -73,20 +81,24 @@ static sn_status pieces_add(pieces *p, const sn_frame *f, const cut_corner c[3],
         q[8] = 0.0f;
     }
     float *face = p->face + 4 * p->n_face++;
-    face[0] = (float)p->n_cand;
+    face[0] = (float)p->n_texel;
     face[1] = (float)n;
     face[2] = face[3] = 0.0f;
     for (int32_t i = 0; i < n; i++) {
-        float *g = p->cand + 4 * p->n_cand++;
+        float *g = p->cand + 4 * p->n_texel++;
         for (int k = 0; k < 3; k++) g[k] = (float)value_at(f->scene, muscle[i], &c[k]);
         g[3] = (float)muscle[i];
+        if (!has_tendon) continue;
+        float *t = p->cand + 4 * p->n_texel++;
+        for (int k = 0; k < 3; k++) t[k] = tendon_at(f->scene, muscle[i], &c[k]);
+        t[3] = 0.0f;
     }
     return SN_OK;
 }
 
 static bool pieces_full(const pieces *p, int32_t room, int32_t max_texels)
 {
-    return p->n_face + 2 > (size_t)max_texels || p->n_cand + 2 * (size_t)room > (size_t)max_texels;
+    return p->n_face + 2 > (size_t)max_texels || p->n_texel + 4 * (size_t)room > (size_t)max_texels;
 }
 
 sn_status sn_cut_border(sn_muscle_pass *p, const sn_frame *f, const sn_muscle_tets *m, int32_t max_texels,
@@ -221,6 +233,7 @@ void sn_cut_draw(const sn_muscle_pass *p, const sn_frame *f)
     const sn_gl *gl = &f->gl;
     sn_frame_use(f, p->cut_program);
     gl->Uniform3f(gl->GetUniformLocation(p->cut_program, "u_fat"), fat_color.r, fat_color.g, fat_color.b);
+    sn_muscle_use_tendon(f, p->cut_program, 1);
     sn_gl_sampler(gl, p->cut_program, "u_color", 2, GL_TEXTURE_BUFFER, p->color);
     gl->Enable(GL_POLYGON_OFFSET_FILL);
     gl->PolygonOffset(-1.0f, -8.0f);

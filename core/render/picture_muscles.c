@@ -7,14 +7,22 @@
 
 #include <string.h>
 
-enum { batch_tets = 65536, cand_texels = 5 };
+enum { batch_tets = 65536 };
+static const sn_rgb tendon_color = {0.915f, 0.900f, 0.880f}; /* pearl: whiter than bone, no yellow of fat */
 
 typedef struct batch_data { /* what one batch uploads */
     float *corner;          /* 24 per tet: per corner its place; its number, the tet of the batch, 0 */
-    float *tet;  /* 8 per tet: the eye's barycentric coordinates, first texel and number of candidates */
-    float *cand; /* 20 per candidate: g at the corners; normal at each corner (the first with the muscle) */
+    float *tet;      /* 8 per tet: the eye's barycentric coordinates, first texel and number of candidates */
+    float *cand;     /* 20 per candidate: g at the corners; normal at each corner (the first with the muscle);
+                        with tendons 4 more: their values at the corners */
+    int texels;      /* per candidate */
     uint32_t *index; /* at most 9 per tet: a tet shows the eye at most three faces */
 } batch_data;
+
+static int candidate_texels(const sn_picture_scene *s)
+{
+    return s->tendon ? 6 : 5;
+}
 
 static void batch_free(batch_data *b)
 {
@@ -28,7 +36,7 @@ static sn_status batch_reserve(batch_data *b, size_t n_tet, size_t n_cand, sn_er
 {
     b->corner = SN_NEW(float, 24 * n_tet);
     b->tet = SN_NEW(float, 8 * n_tet);
-    b->cand = SN_NEW(float, 4 * cand_texels * n_cand);
+    b->cand = SN_NEW(float, 4 * (size_t)b->texels * n_cand);
     b->index = SN_NEW(uint32_t, 12 * n_tet);
     if (b->corner && b->tet && b->cand && b->index) return SN_OK;
     return sn_fail(err, SN_ENOMEM, "picture: no memory to send %zu tets", n_tet);
@@ -52,6 +60,7 @@ static void fill_candidate(const sn_muscle_tets *m, const sn_picture_scene *s, c
         out[k] = (float)sn_muscle_above_fat(s, i_muscle, v[k]);
         memcpy(out + 4 * (k + 1), sn_muscle_tets_normal(m, v[k], i_muscle), 3 * sizeof *out);
         out[4 * (k + 1) + 3] = (float)i_muscle;
+        if (s->tendon) out[20 + k] = (float)sn_muscle_tendon(s, i_muscle, v[k]);
     }
 }
 
@@ -73,11 +82,11 @@ static void fill_tet(batch_data *b, const sn_muscle_tets *m, const sn_frame *f, 
     int64_t c0 = m->cand.first[i_sent], c1 = m->cand.first[i_sent + 1];
     float *tet = b->tet + 8 * at;
     eye_coordinates(p, tet);
-    tet[4] = (float)(cand_texels * (c0 - cand0));
+    tet[4] = (float)(b->texels * (c0 - cand0));
     tet[5] = (float)(c1 - c0);
     tet[6] = tet[7] = 0.0f;
     for (int64_t c = c0; c < c1; c++)
-        fill_candidate(m, f->scene, v, m->cand.muscle[c], b->cand + 4 * cand_texels * (c - cand0));
+        fill_candidate(m, f->scene, v, m->cand.muscle[c], b->cand + 4 * b->texels * (c - cand0));
 }
 
 /* The faces turned to the eye: it lies beyond face k when its coordinate k is negative. */
@@ -96,7 +105,7 @@ static sn_status send_batch(sn_tet_batch *out, const sn_muscle_tets *m, const sn
 {
     int64_t c0 = m->cand.first[i0], n_cand = m->cand.first[i1] - c0;
     size_t n_tet = (size_t)(i1 - i0);
-    batch_data b = {0};
+    batch_data b = {.texels = candidate_texels(f->scene)};
     sn_status st = batch_reserve(&b, n_tet, (size_t)n_cand, err);
     if (st) goto done;
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(f->run))
@@ -106,8 +115,8 @@ static sn_status send_batch(sn_tet_batch *out, const sn_muscle_tets *m, const sn
     out->array = sn_gl_vertex_array(&f->gl, 2, b.corner, 4 * n_tet);
     (void)sn_gl_buffer(&f->gl, GL_ELEMENT_ARRAY_BUFFER, b.index, n_index * sizeof *b.index);
     out->tet = sn_gl_buffer_texture(&f->gl, GL_RGBA32F, b.tet, 8 * n_tet * sizeof(float));
-    out->cand =
-        sn_gl_buffer_texture(&f->gl, GL_RGBA32F, b.cand, 4 * cand_texels * (size_t)n_cand * sizeof(float));
+    out->cand = sn_gl_buffer_texture(&f->gl, GL_RGBA32F, b.cand,
+                                     4 * (size_t)b.texels * (size_t)n_cand * sizeof(float));
     st = sn_gl_check(&f->gl, "sending tets", err);
 done:
     batch_free(&b);
@@ -116,11 +125,12 @@ done:
 
 /* The end of the batch that begins at i0: within batch_tets and the texels of one buffer, at least one tet.
  */
-static int32_t batch_end(const sn_muscle_tets *m, int32_t i0, int32_t max_texels)
+static int32_t batch_end(const sn_muscle_tets *m, const sn_frame *f, int32_t i0, int32_t max_texels)
 {
+    int texels = candidate_texels(f->scene);
     int32_t i = i0 + 1;
     while (i < m->n_tet && i - i0 < batch_tets && 2 * (i + 1 - i0) <= max_texels &&
-           cand_texels * (m->cand.first[i + 1] - m->cand.first[i0]) <= max_texels)
+           texels * (m->cand.first[i + 1] - m->cand.first[i0]) <= max_texels)
         i++;
     return i;
 }
@@ -129,11 +139,11 @@ static sn_status send_tets(sn_muscle_pass *p, const sn_muscle_tets *m, const sn_
                            sn_error *err)
 {
     int n = 0;
-    for (int32_t i = 0; i < m->n_tet; i = batch_end(m, i, max_texels)) n++;
+    for (int32_t i = 0; i < m->n_tet; i = batch_end(m, f, i, max_texels)) n++;
     p->tets = SN_NEW_ZERO(sn_tet_batch, n);
     if (!p->tets) return sn_fail(err, SN_ENOMEM, "picture: no memory for %d batches", n);
     for (int32_t i = 0, end; i < m->n_tet; i = end) {
-        end = batch_end(m, i, max_texels);
+        end = batch_end(m, f, i, max_texels);
         sn_status st = sn_run_step(f->run, "sending tets", 0.2 + 0.2 * i / m->n_tet, err);
         if (!st) st = send_batch(&p->tets[p->n_tets++], m, f, i, end, err);
         if (st) return st;
@@ -156,6 +166,18 @@ static sn_status send_colors(sn_muscle_pass *p, const sn_frame *f, sn_error *err
     return SN_OK;
 }
 
+static sn_status check_tendons(const sn_picture_scene *s, sn_error *err)
+{
+    for (int32_t i = 0; s->tendon && i < s->n_tissue - 1; i++)
+        for (int32_t v = 0; s->tendon[i] && v < s->tets->n_vert; v++)
+            if (!isfinite(s->tendon[i][v]))
+                return sn_fail(
+                    err, SN_EINVAL,
+                    "picture: the tendon of muscle %d has the value %g at vertex %d, need a finite one",
+                    i + 1, (double)s->tendon[i][v], v + 1);
+    return SN_OK;
+}
+
 sn_status sn_muscle_pass_prepare(sn_muscle_pass *p, const sn_frame *f, sn_error *err)
 {
     sn_muscle_tets m;
@@ -166,6 +188,7 @@ sn_status sn_muscle_pass_prepare(sn_muscle_pass *p, const sn_frame *f, sn_error 
     sn_status st =
         sn_gl_program(&f->gl, "muscle", sn_shader_muscle_vs, sn_shader_muscle_fs, &p->tet_program, err);
     if (!st) st = sn_gl_program(&f->gl, "section", sn_shader_cut_vs, sn_shader_cut_fs, &p->cut_program, err);
+    if (!st) st = check_tendons(f->scene, err);
     if (!st) st = sn_muscle_tets_find(&m, f->scene, f->run, err);
     if (!st) st = send_colors(p, f, err);
     if (!st) st = send_tets(p, &m, f, max_texels, err);
@@ -176,10 +199,19 @@ sn_status sn_muscle_pass_prepare(sn_muscle_pass *p, const sn_frame *f, sn_error 
     return st;
 }
 
+void sn_muscle_use_tendon(const sn_frame *f, GLuint program, int texels)
+{
+    const sn_gl *gl = &f->gl;
+    const sn_rgb c = tendon_color;
+    gl->Uniform1i(gl->GetUniformLocation(program, "u_stride"), texels + (f->scene->tendon ? 1 : 0));
+    gl->Uniform3f(gl->GetUniformLocation(program, "u_tendon"), c.r, c.g, c.b);
+}
+
 static void draw_tets(const sn_muscle_pass *p, const sn_frame *f)
 {
     const sn_gl *gl = &f->gl;
     sn_frame_use(f, p->tet_program);
+    sn_muscle_use_tendon(f, p->tet_program, 5);
     sn_gl_sampler(gl, p->tet_program, "u_color", 2, GL_TEXTURE_BUFFER, p->color);
     for (int i = 0; i < p->n_tets; i++) {
         const sn_tet_batch *b = &p->tets[i];

@@ -1,25 +1,9 @@
 /* picture_resolve.c - samples (linear, premultiplied) to 8-bit sRGB pixels with straight alpha. */
 #include "render/draw.h"
 
-#include "base/alloc.h"
+#include "render/srgb.h"
 
 #include <math.h>
-
-static float to_linear(float c)
-{
-    return c <= 0.04045f ? c / 12.92f : powf((c + 0.055f) / 1.055f, 2.4f);
-}
-
-static uint8_t to_byte(float v)
-{
-    if (!(v > 0.0f)) return 0;
-    return v < 1.0f ? (uint8_t)(255.0f * v + 0.5f) : 255;
-}
-
-static uint8_t to_srgb(float c)
-{
-    return to_byte(c <= 0.0031308f ? 12.92f * c : 1.055f * powf(c, 1.0f / 2.4f) - 0.055f);
-}
 
 /* c: premultiplied colour of what was drawn, laid over the background. */
 static void put_pixel(const float c[4], const float background[4], const float ground[3], uint8_t out[4])
@@ -27,14 +11,14 @@ static void put_pixel(const float c[4], const float background[4], const float g
     float rest = background[3] * (1.0f - c[3]), alpha = c[3] + rest;
     for (int k = 0; k < 3; k++) {
         float v = alpha > 0.0f ? (c[k] + rest * ground[k]) / alpha : 0.0f;
-        out[k] = c[3] > 0.0f ? to_srgb(v) : to_byte(background[k]);
+        out[k] = c[3] > 0.0f ? sn_linear_to_byte(v) : sn_to_byte(background[k]);
     }
-    out[3] = to_byte(alpha);
+    out[3] = sn_to_byte(alpha);
 }
 
 void sn_background_pixel(const float background[4], uint8_t out[4])
 {
-    for (int k = 0; k < 4; k++) out[k] = to_byte(background[k]);
+    for (int k = 0; k < 4; k++) out[k] = sn_to_byte(background[k]);
 }
 
 /* Weights of the samples around a pixel along one axis: a tent two pixels wide. tap 0 is `*first` samples
@@ -87,7 +71,7 @@ void sn_resolve(const sn_frame *f, const float *samples, sn_pixels px, sn_image 
     float ground[3];
     filter w;
     w.n = tent(f->samples, &w.first, w.weight);
-    for (int k = 0; k < 3; k++) ground[k] = to_linear(background[k]);
+    for (int k = 0; k < 3; k++) ground[k] = sn_srgb_to_linear(background[k]);
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(f->run))
     for (int y = px.y0; y < px.y1; y++)
         for (int x = px.x0; x < px.x1; x++) {

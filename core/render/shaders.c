@@ -3,8 +3,8 @@
  * Solid things are drawn in two steps. The passes write what is seen at each sample: its colour (sRGB, alpha
  * = gloss), its normal towards the eye, what it is (`kind`, below) and its depth. The final pass lights it.
  * All positions count from the eye, so that single precision is enough wherever the scene lies.
- * kind: 0 background; 1..511 a bone; 512..1023 a muscle; the same numbers negative, or -1024 for fat, in a
- * section. */
+ * kind: 0 background; 1..511 a bone; 512..1023 a muscle; 1024 a fiber; the first two negative, or -1024 for
+ * fat, in a section. */
 #include "render/shaders.h"
 
 #include <stddef.h>
@@ -51,6 +51,8 @@ static const char muscle_fs[] =
     "uniform samplerBuffer u_tet;\n"
     "uniform samplerBuffer u_cand;\n"
     "uniform samplerBuffer u_color;\n"
+    "uniform int u_stride;\n"
+    "uniform vec3 u_tendon;\n"
     "uniform vec2 u_depth;\n"
     "void main()\n"
     "{\n"
@@ -75,8 +77,8 @@ static const char muscle_fs[] =
     "    // or was lost by rounding at a shared face, and this closes the gap. At the plane the section is drawn instead.\n"
     "    float t_hit = t_out, key = -1.0;\n"
     "    int hit = -1;\n"
-    "    int first = int(list.x), last = first + 5 * int(list.y);\n"
-    "    for (int c = first; c < last; c += 5) {\n"
+    "    int first = int(list.x), last = first + u_stride * int(list.y);\n"
+    "    for (int c = first; c < last; c += u_stride) {\n"
     "        vec4 g = texelFetch(u_cand, c);\n"
     "        float slope = dot(pace, g), start = dot(v_bary, g) + slope * t_in;\n"
     "        if (start < 0.0 && slope <= 0.0) continue;\n"
@@ -95,7 +97,8 @@ static const char muscle_fs[] =
     "             at.w * texelFetch(u_cand, hit + 4).xyz;\n"
     "    float w = (1.0 + t_hit) / gl_FragCoord.w;\n"
     "    gl_FragDepth = clamp(0.5 + 0.5 * (u_depth.x + u_depth.y / w), 0.0, 1.0);\n"
-    "    o_color = vec4(texelFetch(u_color, int(n0.w)).rgb, 0.5);\n"
+    "    bool is_tendon = u_stride > 5 && dot(at, texelFetch(u_cand, hit + 5)) > 0.0;\n"
+    "    o_color = is_tendon ? vec4(u_tendon, 0.8) : vec4(texelFetch(u_color, int(n0.w)).rgb, 0.5);\n"
     "    o_shape = vec4(u_turn * normalize(n + 1e-12 * v_place), 512.0 + mod(n0.w, 512.0));\n"
     "}\n";
 
@@ -127,24 +130,28 @@ static const char cut_fs[] =
     "uniform samplerBuffer u_color;\n"
     "uniform float u_is_section;\n"
     "uniform vec3 u_fat;\n"
+    "uniform int u_stride;\n"
+    "uniform vec3 u_tendon;\n"
     "void main()\n"
     "{\n"
     "    vec4 list = texelFetch(u_face, v_face);\n"
-    "    int first = int(list.x), last = first + int(list.y);\n"
+    "    int first = int(list.x), last = first + u_stride * int(list.y), hit = first;\n"
     "    float best = 0.0, id = -1.0;\n"
-    "    for (int c = first; c < last; c++) {\n"
+    "    for (int c = first; c < last; c += u_stride) {\n"
     "        vec4 g = texelFetch(u_cand, c);\n"
     "        float here = dot(v_bary, g.xyz);\n"
     "        if (here > best) {\n"
     "            best = here;\n"
     "            id = g.w;\n"
+    "            hit = c;\n"
     "        }\n"
     "    }\n"
     "    bool is_section = u_is_section > 0.5;\n"
     "    if (id < 0.0 && !is_section) discard;\n"
     "    vec3 color = id < 0.0 ? u_fat : texelFetch(u_color, int(id)).rgb;\n"
     "    float kind = id < 0.0 ? 1024.0 : 512.0 + mod(id, 512.0);\n"
-    "    o_color = vec4(color, is_section ? 0.0 : 0.5);\n"
+    "    bool is_tendon = id >= 0.0 && u_stride > 1 && dot(v_bary, texelFetch(u_cand, hit + 1).xyz) > 0.0;\n"
+    "    o_color = is_tendon ? vec4(u_tendon, is_section ? 0.0 : 0.8) : vec4(color, is_section ? 0.0 : 0.5);\n"
     "    o_shape = vec4(normalize(u_turn * v_normal), is_section ? -kind : kind);\n"
     "}\n";
 
@@ -218,6 +225,20 @@ static const char skin_fs[] =
     "    o_weight = vec4(a, 0.0, 0.0, a);\n"
     "}\n";
 
+/* The light on what is laid over the picture: more even than that on solid things. */
+static const char line_light[] =
+    "vec3 lit_line(vec3 c, vec3 n, vec3 place)\n"
+    "{\n"
+    "    return c * (0.35 + ambient(n) + 0.65 * direct(n)) + gleam(n, normalize(-place));\n"
+    "}\n";
+
+/* sn_color_pack undone. */
+static const char unpack[] =
+    "vec3 unpack_color(float c)\n"
+    "{\n"
+    "    return vec3(floor(c / 65536.0), mod(floor(c / 256.0), 256.0), mod(c, 256.0)) / 255.0;\n"
+    "}\n";
+
 /* Radius u_radius, but at least u_pixels wide on the picture, then grown by u_grow pixels. */
 static const char line_vs[] =
     "layout(location = 0) in vec3 a_centre;\n"
@@ -247,7 +268,102 @@ static const char line_fs[] =
     "{\n"
     "    vec3 n = normalize(v_normal);\n"
     "    vec3 c = linear(u_color.rgb);\n"
-    "    if (u_color.a > 0.5) c = c * (0.35 + ambient(n) + 0.65 * direct(n)) + gleam(n, normalize(-v_place));\n"
+    "    if (u_color.a > 0.5) c = lit_line(c, n, v_place);\n"
+    "    o_line = vec4(c, 1.0);\n"
+    "}\n";
+
+/* A line as a strip that faces the eye. a_what: side -1 or 1; tip -1..1, not 0 only beyond the ends; colour.
+ * The strip lies as far in front of the line as the tube's surface does on average, at the same pixels. */
+static const char fiber_vs[] =
+    "layout(location = 0) in vec3 a_place;\n"
+    "layout(location = 1) in vec3 a_along;\n"
+    "layout(location = 2) in vec3 a_what;\n"
+    "uniform float u_radius;\n"
+    "uniform float u_pixels;\n"
+    "uniform float u_slope;\n"
+    "out vec2 v_at;\n"
+    "out vec3 v_side;\n"
+    "out vec3 v_tip;\n"
+    "out vec3 v_place;\n"
+    "flat out vec3 v_color;\n"
+    "void main()\n"
+    "{\n"
+    "    float w = max((u_clip * vec4(a_place, 1.0)).w, 0.0), far = max(length(a_place), 1e-20);\n"
+    "    float r = max(u_radius, u_pixels * u_slope * w);\n"
+    "    vec3 front = -a_place / far, side = cross(a_along, front);\n"
+    "    if (dot(side, side) < 1e-10) side = cross(abs(front.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0), front);\n"
+    "    side = normalize(side);\n"
+    "    vec3 tip = cross(front, side);\n"
+    "    vec3 place = (a_place + r * (a_what.x * side + a_what.y * tip)) * (1.0 - min(0.75 * r / far, 0.5));\n"
+    "    v_at = a_what.xy;\n"
+    "    v_side = u_turn * side;\n"
+    "    v_tip = u_turn * tip;\n"
+    "    v_place = u_turn * place;\n"
+    "    v_color = unpack_color(a_what.z);\n"
+    "    gl_Position = u_clip * vec4(place, 1.0);\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(a_place, 1.0));\n"
+    "}\n";
+
+static const char fiber_in[] =
+    "in vec2 v_at;\n"
+    "in vec3 v_side;\n"
+    "in vec3 v_tip;\n"
+    "in vec3 v_place;\n"
+    "flat in vec3 v_color;\n"
+    "vec3 tube_normal()\n"
+    "{\n"
+    "    float rest = 1.0 - dot(v_at, v_at);\n"
+    "    if (rest < 0.0) discard;\n"
+    "    return normalize(v_at.x * v_side + v_at.y * v_tip - sqrt(rest) * normalize(v_place));\n"
+    "}\n";
+
+static const char fiber_fs[] =
+    "void main()\n"
+    "{\n"
+    "    o_shape = vec4(tube_normal(), 1024.0);\n"
+    "    o_color = vec4(v_color, 0.25);\n"
+    "}\n";
+
+static const char fiber_line_fs[] =
+    "layout(location = 0) out vec4 o_line;\n"
+    "void main()\n"
+    "{\n"
+    "    o_line = vec4(lit_line(linear(v_color), tube_normal(), v_place), 1.0);\n"
+    "}\n";
+
+/* a_out: from the arrow's axis to its surface, in radii of its shaft; a_what: that radius, colour. */
+static const char arrow_vs[] =
+    "layout(location = 0) in vec3 a_centre;\n"
+    "layout(location = 1) in vec3 a_normal;\n"
+    "layout(location = 2) in vec3 a_out;\n"
+    "layout(location = 3) in vec3 a_what;\n"
+    "uniform float u_pixels;\n"
+    "uniform float u_grow;\n"
+    "uniform float u_slope;\n"
+    "out vec3 v_normal;\n"
+    "out vec3 v_place;\n"
+    "flat out vec3 v_color;\n"
+    "void main()\n"
+    "{\n"
+    "    float w = max((u_clip * vec4(a_centre, 1.0)).w, 0.0);\n"
+    "    vec3 place = a_centre + a_out * max(a_what.x, u_pixels * u_slope * w) + a_normal * (u_grow * u_slope * w);\n"
+    "    v_place = u_turn * place;\n"
+    "    v_normal = u_turn * a_normal;\n"
+    "    v_color = unpack_color(a_what.y);\n"
+    "    gl_Position = u_clip * vec4(place, 1.0);\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(a_centre, 1.0));\n"
+    "}\n";
+
+static const char arrow_fs[] =
+    "layout(location = 0) out vec4 o_line;\n"
+    "in vec3 v_place;\n"
+    "in vec3 v_normal;\n"
+    "flat in vec3 v_color;\n"
+    "uniform float u_is_lit;\n"
+    "void main()\n"
+    "{\n"
+    "    vec3 c = linear(u_is_lit > 0.5 ? v_color : 0.16 * v_color);\n"
+    "    if (u_is_lit > 0.5) c = lit_line(c, normalize(v_normal), v_place);\n"
     "    o_line = vec4(c, 1.0);\n"
     "}\n";
 
@@ -336,9 +452,10 @@ static const char final_fs[] =
     "        float kind = texelFetch(u_shape, p, 0).w;\n"
     "        vec3 v = place_of(vec2(p) + 0.5, texelFetch(u_depth_map, p, 0).r) - place;\n"
     "        bool is_flat = shape.w < 0.0 && kind < 0.0;\n"
-    "        if (kind != shape.w && (is_flat || v.z < 0.002 * u_unit)) line = max(line, is_flat ? 0.72 : 0.5);\n"
+    "        if (kind != shape.w && shape.w < 1024.0 && (is_flat || v.z < 0.002 * u_unit)) line = max(line, is_flat ? 0.72 : 0.5);\n"
     "        float rise = dot(v, shape.xyz) / u_unit;\n"
     "        if (kind == shape.w && shape.w > 0.0) line = max(line, 0.5 * smoothstep(0.004, 0.016, rise));\n"
+    "        if (kind == 1024.0 && shape.w == 1024.0) line = max(line, 0.6 * smoothstep(0.0012, 0.008, v.z / u_unit));\n"
     "    }\n"
     "    return line;\n"
     "}\n"
@@ -384,7 +501,12 @@ const char *const sn_shader_solid_vs[] = {version, frame, solid_vs, NULL};
 const char *const sn_shader_solid_fs[] = {version, solid_out, solid_fs, NULL};
 const char *const sn_shader_skin_fs[] = {version, light, skin_fs, NULL};
 const char *const sn_shader_line_vs[] = {version, frame, line_vs, NULL};
-const char *const sn_shader_line_fs[] = {version, light, line_fs, NULL};
+const char *const sn_shader_line_fs[] = {version, light, line_light, line_fs, NULL};
+const char *const sn_shader_fiber_vs[] = {version, frame, unpack, fiber_vs, NULL};
+const char *const sn_shader_fiber_fs[] = {version, solid_out, fiber_in, fiber_fs, NULL};
+const char *const sn_shader_fiber_line_fs[] = {version, light, line_light, fiber_in, fiber_line_fs, NULL};
+const char *const sn_shader_arrow_vs[] = {version, frame, unpack, arrow_vs, NULL};
+const char *const sn_shader_arrow_fs[] = {version, light, line_light, arrow_fs, NULL};
 const char *const sn_shader_screen_vs[] = {version, screen_vs, NULL};
 const char *const sn_shader_occlusion_fs[] = {version, screen, occlusion_fs, NULL};
 const char *const sn_shader_final_fs[] = {version, screen, light, final_fs, NULL};

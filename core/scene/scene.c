@@ -8,7 +8,7 @@
 #define DEFAULT_FAT 0.2
 #define DEFAULT_ALPHA 5.0
 
-static sn_status no_memory(sn_error *err)
+sn_status sn_scene_no_memory(sn_error *err)
 {
     return sn_fail(err, SN_ENOMEM, "scene: no memory");
 }
@@ -26,18 +26,10 @@ sn_status sn_scene_create(sn_scene **out, const char *name, const char *unit, sn
     }
     if (!s || !s->name || !s->unit) {
         sn_scene_destroy(s);
-        return no_memory(err);
+        return sn_scene_no_memory(err);
     }
     *out = s;
     return SN_OK;
-}
-
-static void free_muscle(scene_muscle *m)
-{
-    if (!m) return;
-    sn_muscle_free(&m->muscle);
-    sn_collocation_free(&m->row);
-    sn_release(m);
 }
 
 void sn_scene_destroy(sn_scene *s)
@@ -50,7 +42,7 @@ void sn_scene_destroy(sn_scene *s)
         sn_release(s->bone[i].name);
         sn_tri_mesh_free(&s->bone[i].mesh);
     }
-    for (int32_t i = 0; i < s->n_muscle; i++) free_muscle(s->muscle[i]);
+    for (int32_t i = 0; i < s->n_muscle; i++) sn_scene_free_muscle(s->muscle[i]);
     sn_release(s->bone);
     sn_release(s->muscle);
     sn_notes_free(&s->notes);
@@ -93,13 +85,19 @@ void sn_scene_clear_notes(sn_scene *s)
 
 void sn_scene_stale_body(sn_scene *s)
 {
-    s->revision++;
     sn_locator_destroy(s->locator);
     sn_tissue_solver_destroy(s->solver);
+    sn_harmonic_destroy(s->harmonic);
     s->locator = NULL;
     s->solver = NULL;
+    s->harmonic = NULL;
     s->has_body = false;
-    for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->has_row = false;
+    for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->has_row = s->muscle[i]->has_tensor = false;
+    sn_scene_stale_muscles(s);
+}
+
+void sn_scene_stale_muscles(sn_scene *s)
+{
     sn_scene_stale_curves(s);
     sn_release(s->field);
     s->field = NULL;
@@ -109,8 +107,8 @@ void sn_scene_stale_body(sn_scene *s)
 void sn_scene_stale_curves(sn_scene *s)
 {
     s->revision++;
-    sn_release(s->rows);
-    s->rows = NULL;
+    sn_release(s->inputs);
+    s->inputs = NULL;
     s->has_factor = false;
     s->is_fat_solved = false;
     for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->is_solved = false;
@@ -163,9 +161,10 @@ sn_status sn_scene_add_bone(sn_scene *s, const char *name, const sn_tri_mesh *bo
     if (st) return st;
     st = sn_tri_mesh_validate(bone, err);
     if (st) return sn_fail_prefix(err, st, "bone '%s': ", name);
-    if (!sn_grow(&s->bone, &s->cap_bone, (size_t)s->n_bone + 1, sizeof *s->bone)) return no_memory(err);
+    if (!sn_grow(&s->bone, &s->cap_bone, (size_t)s->n_bone + 1, sizeof *s->bone))
+        return sn_scene_no_memory(err);
     scene_bone b = {.name = sn_strdup(name)};
-    if (!b.name) return no_memory(err);
+    if (!b.name) return sn_scene_no_memory(err);
     st = sn_tri_mesh_copy(&b.mesh, bone, err);
     if (st) {
         sn_release(b.name);
@@ -179,7 +178,7 @@ sn_status sn_scene_add_bone(sn_scene *s, const char *name, const sn_tri_mesh *bo
 sn_status sn_scene_find_bone(const sn_scene *s, const char *name, int32_t *i_bone, sn_error *err)
 {
     const char **names = SN_NEW(const char *, s->n_bone);
-    if (!names) return no_memory(err);
+    if (!names) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) names[i] = s->bone[i].name;
     sn_status st = sn_find_name("bone", name, names, s->n_bone, i_bone, err);
     sn_release(names);
@@ -214,7 +213,7 @@ const sn_tri_mesh *sn_scene_bone_mesh(const sn_scene *s, int32_t i_bone)
     return &s->bone[i_bone].mesh;
 }
 
-/* ---- muscles ---- */
+/* ---- fat and alpha ---- */
 
 sn_status sn_scene_set_fat(sn_scene *s, double value, sn_error *err)
 {
@@ -242,142 +241,15 @@ double sn_scene_alpha(const sn_scene *s)
     return s->alpha;
 }
 
-static sn_status new_muscle_name(const sn_scene *s, const char *name, sn_error *err)
-{
-    sn_status st = sn_check_name("muscle", name, err);
-    if (!st && strcmp(name, "fat") == 0)
-        st = sn_fail(err, SN_EINVAL, "'fat' is no name for a muscle: it is tissue 0");
-    for (int32_t i = 0; !st && i < s->n_muscle; i++)
-        if (strcmp(s->muscle[i]->muscle.name, name) == 0)
-            st = sn_fail(err, SN_EINVAL, "there is a muscle '%s' already", name);
-    return st;
-}
-
-/* The set of muscles changes: the field has other rows. */
-static void stale_set(sn_scene *s)
-{
-    sn_scene_stale_curves(s);
-    sn_release(s->field);
-    s->field = NULL;
-    s->has_field = false;
-}
-
-sn_status sn_scene_add_muscle(sn_scene *s, const char *name, const double *point, const double *tissue,
-                              int32_t n, sn_error *err)
-{
-    sn_status st = new_muscle_name(s, name, err);
-    if (st) return st;
-    if (s->n_muscle + 1 >= SN_MAX_TISSUES)
-        return sn_fail(err, SN_EINVAL, "muscle '%s': the scene has %d, the most it can hold", name,
-                       s->n_muscle);
-    if (!sn_grow(&s->muscle, &s->cap_muscle, (size_t)s->n_muscle + 1, sizeof *s->muscle))
-        return no_memory(err);
-    scene_muscle *m = SN_NEW_ZERO(scene_muscle, 1);
-    if (!m) return no_memory(err);
-    st = sn_muscle_init(&m->muscle, name, point, tissue, n, err);
-    if (st) {
-        sn_release(m);
-        return st;
-    }
-    s->muscle[s->n_muscle++] = m;
-    stale_set(s);
-    return SN_OK;
-}
-
-sn_status sn_scene_find_muscle(const sn_scene *s, const char *name, int32_t *i_muscle, sn_error *err)
-{
-    const char **names = SN_NEW(const char *, s->n_muscle);
-    if (!names) return no_memory(err);
-    for (int32_t i = 0; i < s->n_muscle; i++) names[i] = s->muscle[i]->muscle.name;
-    sn_status st = sn_find_name("muscle", name, names, s->n_muscle, i_muscle, err);
-    sn_release(names);
-    return st;
-}
-
-sn_status sn_scene_remove_muscle(sn_scene *s, const char *name, sn_error *err)
-{
-    int32_t i;
-    sn_status st = sn_scene_find_muscle(s, name, &i, err);
-    if (st) return st;
-    free_muscle(s->muscle[i]);
-    memmove(&s->muscle[i], &s->muscle[i + 1], (size_t)(s->n_muscle - i - 1) * sizeof *s->muscle);
-    s->n_muscle--;
-    stale_set(s);
-    return SN_OK;
-}
-
-int32_t sn_scene_muscle_count(const sn_scene *s)
-{
-    return s->n_muscle;
-}
-
-const sn_muscle *sn_scene_muscle(const sn_scene *s, int32_t i_muscle)
-{
-    return &s->muscle[i_muscle]->muscle;
-}
-
-/* Index checks in one place; `last` is the largest allowed. */
-static sn_status check_index(const sn_scene *s, int32_t i_muscle, int32_t i_point, int32_t last,
-                             sn_error *err)
-{
-    if (i_muscle < 0 || i_muscle >= s->n_muscle)
-        return sn_fail(err, SN_EINVAL, "muscle %d, need 1..%d", i_muscle + 1, s->n_muscle);
-    if (i_point < 0 || i_point > last)
-        return sn_fail(err, SN_EINVAL, "muscle '%s': point %d, need 1..%d", s->muscle[i_muscle]->muscle.name,
-                       i_point + 1, last + 1);
-    return SN_OK;
-}
-
-static void curve_changed(sn_scene *s, int32_t i_muscle)
-{
-    s->muscle[i_muscle]->has_row = false;
-    sn_scene_stale_curves(s);
-}
-
-static int32_t last_point(const sn_scene *s, int32_t i_muscle)
-{
-    return i_muscle >= 0 && i_muscle < s->n_muscle ? s->muscle[i_muscle]->muscle.n_point - 1 : 0;
-}
-
-sn_status sn_scene_set_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p, sn_error *err)
-{
-    sn_status st = check_index(s, i_muscle, i_point, last_point(s, i_muscle), err);
-    if (!st) st = sn_muscle_set_point(&s->muscle[i_muscle]->muscle, i_point, p, err);
-    if (!st) curve_changed(s, i_muscle);
-    return st;
-}
-
-sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p, double tissue,
-                                sn_error *err)
-{
-    sn_status st = check_index(s, i_muscle, i_point, last_point(s, i_muscle) + 1, err);
-    if (!st) st = sn_muscle_insert_point(&s->muscle[i_muscle]->muscle, i_point, p, tissue, err);
-    if (!st) curve_changed(s, i_muscle);
-    return st;
-}
-
-sn_status sn_scene_remove_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_error *err)
-{
-    sn_status st = check_index(s, i_muscle, i_point, last_point(s, i_muscle), err);
-    if (!st) st = sn_muscle_remove_point(&s->muscle[i_muscle]->muscle, i_point, err);
-    if (!st) curve_changed(s, i_muscle);
-    return st;
-}
-
-sn_status sn_scene_set_tissue(sn_scene *s, int32_t i_muscle, int32_t i_point, double value, sn_error *err)
-{
-    sn_status st = check_index(s, i_muscle, i_point < 0 ? 0 : i_point, last_point(s, i_muscle), err);
-    if (!st) st = sn_muscle_set_tissue(&s->muscle[i_muscle]->muscle, i_point, value, err);
-    if (!st) sn_scene_stale_field(s, i_muscle);
-    return st;
-}
-
 sn_box3 sn_scene_bounds(const sn_scene *s)
 {
     sn_box3 b = sn_tri_mesh_bounds(&s->skin);
     for (int32_t i = 0; i < s->n_bone; i++) b = sn_box3_merge(b, sn_tri_mesh_bounds(&s->bone[i].mesh));
-    for (int32_t i = 0; i < s->n_muscle; i++)
-        for (int32_t k = 0; k < s->muscle[i]->muscle.n_point; k++)
-            b = sn_box3_add(b, sn_v3_load(s->muscle[i]->muscle.point + 3 * (size_t)k));
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        const sn_muscle *m = &s->muscle[i]->muscle;
+        for (int32_t h = 0; h < m->n_head; h++)
+            for (int32_t k = 0; k < m->head[h].n_point; k++)
+                b = sn_box3_add(b, sn_v3_load(m->head[h].point + 3 * (size_t)k));
+    }
     return b;
 }

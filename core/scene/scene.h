@@ -14,6 +14,7 @@
 #include "extract/extraction.h"
 #include "field/tissue.h"
 #include "muscle/muscle.h"
+#include "muscle/path.h"
 #include "render/picture.h"
 #include "tetra/body.h"
 
@@ -55,28 +56,57 @@ SN_MUST_USE sn_status sn_scene_set_fat(sn_scene *s, double value, sn_error *err)
 SN_MUST_USE sn_status sn_scene_set_alpha(sn_scene *s, double value, sn_error *err); /* > 0  [5]    */
 double sn_scene_fat(const sn_scene *s);
 double sn_scene_alpha(const sn_scene *s);
-/* point: n x 3; tissue: n values or NULL for 1. */
+/* A muscle of one curve. point: n x 3; tissue: n values or NULL for 1. */
 SN_MUST_USE sn_status sn_scene_add_muscle(sn_scene *s, const char *name, const double *point,
                                           const double *tissue, int32_t n, sn_error *err);
+/* A muscle of several heads: one tissue function with all their curves. */
+SN_MUST_USE sn_status sn_scene_add_heads(sn_scene *s, const char *name, const sn_head_points *head,
+                                         int32_t n_head, sn_error *err);
 SN_MUST_USE sn_status sn_scene_remove_muscle(sn_scene *s, const char *name, sn_error *err);
 int32_t sn_scene_muscle_count(const sn_scene *s);
 const sn_muscle *sn_scene_muscle(const sn_scene *s, int32_t i_muscle); /* lives until the muscles change */
 /* Index, or SN_EINVAL "no muscle 'x' (did you mean 'y'?)". */
 SN_MUST_USE sn_status sn_scene_find_muscle(const sn_scene *s, const char *name, int32_t *i_muscle,
                                            sn_error *err);
-/* Edits; i_point 0-based. Errors: SN_EINVAL (index, value), SN_ENOMEM. */
-SN_MUST_USE sn_status sn_scene_set_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p,
-                                         sn_error *err);
-SN_MUST_USE sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_vec3 p,
-                                            double tissue, sn_error *err);
-SN_MUST_USE sn_status sn_scene_remove_point(sn_scene *s, int32_t i_muscle, int32_t i_point, sn_error *err);
-SN_MUST_USE sn_status sn_scene_set_tissue(sn_scene *s, int32_t i_muscle, int32_t i_point, double value,
+/* Edits; all indices 0-based. Errors: SN_EINVAL (index, value), SN_ENOMEM. */
+SN_MUST_USE sn_status sn_scene_set_point(sn_scene *s, int32_t i_muscle, int32_t i_head, int32_t i_point,
+                                         sn_vec3 p, sn_error *err);
+SN_MUST_USE sn_status sn_scene_insert_point(sn_scene *s, int32_t i_muscle, int32_t i_head, int32_t i_point,
+                                            sn_vec3 p, double tissue, sn_error *err);
+SN_MUST_USE sn_status sn_scene_remove_point(sn_scene *s, int32_t i_muscle, int32_t i_head, int32_t i_point,
+                                            sn_error *err);
+/* i_head < 0: all heads; i_point < 0: all points. */
+SN_MUST_USE sn_status sn_scene_set_tissue(sn_scene *s, int32_t i_muscle, int32_t i_head, int32_t i_point,
+                                          double value, sn_error *err);
+/* See muscle.h for the values and errors of these. Only the muscle's own field becomes stale, or nothing. */
+SN_MUST_USE sn_status sn_scene_set_anisotropy(sn_scene *s, int32_t i_muscle, const sn_anisotropy *a,
+                                              sn_error *err);
+SN_MUST_USE sn_status sn_scene_set_pennation(sn_scene *s, int32_t i_muscle, const sn_pennation *p,
+                                             sn_error *err);
+SN_MUST_USE sn_status sn_scene_set_tendon(sn_scene *s, int32_t i_muscle, const sn_tendon *t, sn_error *err);
+/* The curves with their frames; lives until the muscle is edited. */
+SN_MUST_USE sn_status sn_scene_muscle_paths(sn_scene *s, int32_t i_muscle, const sn_paths **paths,
+                                            sn_error *err);
+
+/* ---- volumes ---- (cubed unit; each solves first if stale) */
+SN_MUST_USE sn_status sn_scene_muscle_volume(sn_scene *s, int32_t i_muscle, const sn_run *run, double *volume,
+                                             sn_error *err);
+/* Scales the muscle's tissue values so that it has this volume, to 0.001 %; muscles whose volume is kept give
+ * way and take back elsewhere. Errors: SN_EINVAL (not > 0; no tissue value gives it: says what is possible).
+ */
+SN_MUST_USE sn_status sn_scene_set_volume(sn_scene *s, int32_t i_muscle, double volume, const sn_run *run,
                                           sn_error *err);
+/* From now on every solve scales the muscle's tissue values so that the volume stays what it is now, whatever
+ * is edited; a solve that cannot do so fails and says what is possible. */
+SN_MUST_USE sn_status sn_scene_set_preserve_volume(sn_scene *s, int32_t i_muscle, bool is_kept,
+                                                   const sn_run *run, sn_error *err);
+double sn_scene_kept_volume(const sn_scene *s, int32_t i_muscle); /* 0: free */
 
 /* ---- results ---- */
 typedef struct sn_solve_report {
     double seconds; /* of this call                                                     */
     bool was_meshed, was_factorized;
+    double seconds_frames;   /* frames and tensors of anisotropic muscles                        */
     sn_tissue_report tissue; /* of the last solve                                                */
 } sn_solve_report;
 /* Brings the fields up to date; does nothing when they are. report: NULL to skip. Errors: SN_EINVAL (no skin,

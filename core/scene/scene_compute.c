@@ -3,15 +3,11 @@
 
 #include "base/alloc.h"
 #include "field/segmentation.h"
+#include "field/tensor.h"
 #include "mesh/bvh.h"
 #include "scene/scene_private.h"
 
 #include <string.h>
-
-static sn_status no_memory(sn_error *err)
-{
-    return sn_fail(err, SN_ENOMEM, "scene: no memory");
-}
 
 /* ---- body ---- */
 
@@ -19,7 +15,7 @@ static sn_status build_body(sn_scene *s, const sn_body_options *opt, const sn_ru
 {
     if (s->skin.n_face == 0) return sn_fail(err, SN_EINVAL, "the scene has no skin: set_skin first");
     sn_named_surface *bone = SN_NEW(sn_named_surface, s->n_bone);
-    if (!bone) return no_memory(err);
+    if (!bone) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) bone[i] = (sn_named_surface){s->bone[i].name, &s->bone[i].mesh};
     sn_body body;
     sn_body_report report;
@@ -76,18 +72,73 @@ static sn_status need_rows(sn_scene *s, sn_error *err)
     return SN_OK;
 }
 
+static sn_status need_solver(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    return s->solver ? SN_OK : sn_tissue_solver_create(&s->solver, &s->body, run, err);
+}
+
+static sn_status make_tensor(sn_scene *s, scene_muscle *m, const sn_run *run, sn_error *err)
+{
+    int32_t n = s->body.mesh.n_vert;
+    sn_triad *frame = SN_NEW(sn_triad, n);
+    sn_release(m->tensor);
+    m->tensor = SN_NEW(double, 6 * (size_t)n);
+    sn_status st = frame && m->tensor ? sn_scene_need_paths(m, err) : sn_scene_no_memory(err);
+    if (!st) st = sn_frame_field(s->harmonic, &s->body.mesh, &m->row, &m->paths, run, frame, err);
+    if (!st) sn_tensor_field(frame, n, m->muscle.anisotropy.eigenvalue, m->tensor);
+    sn_release(frame);
+    m->has_tensor = st == SN_OK;
+    return sn_muscle_blame(&m->muscle, -1, st, err);
+}
+
+static sn_status need_harmonic(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    if (s->harmonic) return SN_OK;
+    int32_t *rank = SN_NEW(int32_t, s->body.mesh.n_vert);
+    if (!rank) return sn_scene_no_memory(err);
+    sn_tissue_solver_order(s->solver, rank);
+    sn_status st = sn_harmonic_create(&s->harmonic, sn_tissue_solver_laplacian(s->solver), rank, run, err);
+    sn_release(rank);
+    return st;
+}
+
+/* A frame with eigenvalues (1, 1, 1) only says where e2 points: the muscle is isotropic. */
+static bool is_anisotropic(const sn_muscle *m)
+{
+    const double *l = m->anisotropy.eigenvalue;
+    return m->anisotropy.is_on && !(l[0] == 1.0 && l[1] == 1.0 && l[2] == 1.0);
+}
+
+/* Tensors of the anisotropic muscles; those of others are let go. */
+static sn_status need_tensors(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        scene_muscle *m = s->muscle[i];
+        if (!is_anisotropic(&m->muscle)) {
+            sn_release(m->tensor);
+            m->tensor = NULL;
+            m->has_tensor = false;
+        }
+        if (!is_anisotropic(&m->muscle) || m->has_tensor) continue;
+        sn_status st = need_harmonic(s, run, err);
+        if (!st) st = make_tensor(s, m, run, err);
+        if (st) return st;
+    }
+    return SN_OK;
+}
+
 static sn_status need_factor(sn_scene *s, const sn_run *run, bool *was_factorized, sn_error *err)
 {
-    sn_status st = SN_OK;
     *was_factorized = !s->has_factor;
+    if (!s->has_factor) {
+        sn_release(s->inputs);
+        s->inputs = SN_NEW(sn_tissue_muscle, s->n_muscle);
+        if (!s->inputs) return sn_scene_no_memory(err);
+    }
+    for (int32_t i = 0; i < s->n_muscle; i++)
+        s->inputs[i] = (sn_tissue_muscle){&s->muscle[i]->row, s->muscle[i]->tensor};
     if (s->has_factor) return SN_OK;
-    if (!s->solver) st = sn_tissue_solver_create(&s->solver, &s->body, run, err);
-    if (st) return st;
-    sn_release(s->rows);
-    s->rows = SN_NEW(const sn_collocation *, s->n_muscle);
-    if (!s->rows) return no_memory(err);
-    for (int32_t i = 0; i < s->n_muscle; i++) s->rows[i] = &s->muscle[i]->row;
-    st = sn_tissue_solver_set_curves(s->solver, s->rows, s->n_muscle, s->alpha, run, err);
+    sn_status st = sn_tissue_solver_set_curves(s->solver, s->inputs, s->n_muscle, s->alpha, run, err);
     s->has_factor = st == SN_OK;
     return st;
 }
@@ -99,13 +150,16 @@ static sn_status need_values(sn_scene *s, const sn_run *run, sn_error *err)
     if (!s->field) s->field = SN_NEW(double, (size_t)n_tissue *(size_t)s->body.mesh.n_vert);
     if (!wanted || !s->field) {
         sn_release(wanted);
-        return no_memory(err);
+        return sn_scene_no_memory(err);
     }
     wanted[0] = !s->is_fat_solved;
     for (int32_t i = 0; i < s->n_muscle; i++) wanted[1 + i] = !s->muscle[i]->is_solved;
     for (int32_t i = 0; i < n_tissue; i++) n_wanted += wanted[i];
     sn_status st = SN_OK;
-    if (n_wanted) st = sn_tissue_solver_solve(s->solver, s->fat, wanted, run, s->field, err);
+    if (n_wanted) {
+        s->is_volume_kept = false;
+        st = sn_tissue_solver_solve(s->solver, s->fat, wanted, run, s->field, err);
+    }
     sn_release(wanted);
     if (st) return st;
     s->is_fat_solved = s->has_field = true;
@@ -120,8 +174,13 @@ sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report
     if (s->n_muscle == 0) return sn_fail(err, SN_EINVAL, "the scene has no muscles: add_muscle first");
     sn_status st = need_body(s, run, &r.was_meshed, err);
     if (!st) st = need_rows(s, err);
+    if (!st) st = need_solver(s, run, err);
+    double frames = sn_clock();
+    if (!st) st = need_tensors(s, run, err);
+    r.seconds_frames = sn_clock() - frames;
     if (!st) st = need_factor(s, run, &r.was_factorized, err);
     if (!st) st = need_values(s, run, err);
+    if (!st && !s->is_volume_kept) st = sn_scene_keep_volumes(s, run, err);
     if (st) return st;
     r.tissue = *sn_tissue_solver_report(s->solver);
     r.seconds = sn_clock() - start;
@@ -131,7 +190,7 @@ sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report
 
 const double *sn_scene_fields(const sn_scene *s)
 {
-    bool fresh = s->has_field && s->has_factor && s->is_fat_solved;
+    bool fresh = s->has_field && s->has_factor && s->is_fat_solved && s->is_volume_kept;
     for (int32_t i = 0; fresh && i < s->n_muscle; i++) fresh = s->muscle[i]->is_solved;
     return fresh ? s->field : NULL;
 }
@@ -184,7 +243,7 @@ sn_status sn_scene_tissue_at(sn_scene *s, sn_vec3 p, const sn_run *run, sn_place
 {
     bool inside;
     double *value = SN_NEW(double, 1 + s->n_muscle);
-    if (!value) return no_memory(err);
+    if (!value) return sn_scene_no_memory(err);
     sn_status st = sn_scene_values_at(s, p, run, value, &inside, err);
     *index = 0;
     *place = SN_PLACE_TISSUE;
@@ -207,66 +266,9 @@ sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_
     if (st) return st;
     int32_t n = 1 + s->n_muscle;
     const char **name = SN_NEW(const char *, n);
-    if (!name) return no_memory(err);
+    if (!name) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < n; i++) name[i] = sn_scene_tissue_name(s, i);
     st = sn_extract(&s->body.mesh, s->field, name, n, opt, run, out, err);
     sn_release(name);
-    return st;
-}
-
-/* ---- picture ---- */
-
-#define CURVE_SAMPLES 96
-
-typedef struct drawing {
-    const sn_tri_mesh **bone;
-    sn_picture_curve *curve;
-    double *sample; /* n_muscle x CURVE_SAMPLES x 3 */
-} drawing;
-
-static void free_drawing(drawing *d)
-{
-    sn_release(d->bone);
-    sn_release(d->curve);
-    sn_release(d->sample);
-}
-
-static sn_status make_drawing(const sn_scene *s, drawing *d, sn_picture_scene *p, sn_error *err)
-{
-    d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
-    d->curve = SN_NEW(sn_picture_curve, s->n_muscle);
-    d->sample = SN_NEW(double, (size_t)s->n_muscle *CURVE_SAMPLES * 3);
-    if (!d->bone || !d->curve || !d->sample) return no_memory(err);
-    for (int32_t i = 0; i < s->n_bone; i++) d->bone[i] = &s->bone[i].mesh;
-    for (int32_t i = 0; i < s->n_muscle; i++) {
-        const sn_muscle *m = &s->muscle[i]->muscle;
-        double *at = d->sample + (size_t)i * CURVE_SAMPLES * 3;
-        sn_spline_sample(&m->spline, CURVE_SAMPLES, at);
-        d->curve[i] = (sn_picture_curve){at, CURVE_SAMPLES, m->point, m->n_point, sn_muscle_color(i)};
-    }
-    p->bone = d->bone;
-    p->n_bone = s->n_bone;
-    p->skin = sn_scene_skin(s);
-    p->curve = d->curve;
-    p->n_curve = s->n_muscle;
-    p->unit = sn_box3_diagonal(sn_scene_bounds(s));
-    return SN_OK;
-}
-
-sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, const sn_run *run, sn_image *out,
-                          sn_picture_stats *stats, sn_error *err)
-{
-    drawing d = {0};
-    sn_picture_scene p = {0};
-    bool wants_fields = (opt->show_muscles || opt->has_clip) && s->n_muscle > 0;
-    sn_status st = wants_fields ? sn_scene_solve(s, run, NULL, err) : SN_OK;
-    if (!st) st = make_drawing(s, &d, &p, err);
-    if (!st && wants_fields) {
-        p.tets = &s->body.mesh;
-        p.field = s->field;
-        p.n_tissue = 1 + s->n_muscle;
-    }
-    if (!st) st = sn_picture_draw(&p, opt, run, out, stats, err);
-    free_drawing(&d);
     return st;
 }

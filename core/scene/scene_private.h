@@ -2,6 +2,8 @@
 #ifndef SN_SCENE_PRIVATE_H
 #define SN_SCENE_PRIVATE_H
 
+#include "field/harmonic.h"
+#include "muscle/path.h"
 #include "scene/scene.h"
 
 SN_MUST_USE sn_status sn_check_name(const char *kind, const char *name, sn_error *err);
@@ -17,7 +19,12 @@ typedef struct scene_muscle {
     sn_muscle muscle;
     sn_collocation row; /* of the body as it is, when has_row                 */
     bool has_row;
-    bool is_solved; /* its field is that of its tissue values and curve   */
+    sn_paths paths; /* of the curves and the frame's angle as they are, when has_paths */
+    bool has_paths;
+    double *tensor; /* n_vert x 6 on the body as it is, when has_tensor; owned */
+    bool has_tensor;
+    bool is_solved;     /* its field is that of its tissue values, curves and tensor */
+    double kept_volume; /* what each solve scales it to; 0: its volume is free       */
 } scene_muscle;
 
 /* What is computed, and up to where it is valid. Each step needs the ones before it. */
@@ -43,17 +50,28 @@ struct sn_scene {
     bool has_body;
     sn_locator *locator; /* with the body */
 
-    sn_tissue_solver *solver;    /* with the body                                         */
-    const sn_collocation **rows; /* what the solver was given                             */
-    bool has_factor;             /* for the curves as they are                            */
-    double *field;               /* (1 + n_muscle) x n_vert                               */
-    bool has_field;              /* field has rows for these muscles on this body         */
+    sn_tissue_solver *solver; /* with the body                                         */
+    sn_harmonic *harmonic;    /* with the body, once a muscle is anisotropic           */
+    sn_tissue_muscle *inputs; /* what the solver was given                             */
+    bool has_factor;          /* for the curves as they are                            */
+    double *field;            /* (1 + n_muscle) x n_vert                               */
+    bool has_field;           /* field has rows for these muscles on this body         */
     bool is_fat_solved;
+    bool is_volume_kept; /* the fields are those of the volumes to be kept        */
 };
 
 /* ---- staleness: what an edit marks ---- */
 void sn_scene_stale_body(sn_scene *s);                    /* skin or bones                       */
 void sn_scene_stale_curves(sn_scene *s);                  /* a curve, alpha, the set of muscles  */
+void sn_scene_stale_muscles(sn_scene *s);                 /* the set of muscles: other fields    */
 void sn_scene_stale_field(sn_scene *s, int32_t i_muscle); /* tissue values; -1: fat              */
+
+/* ---- what the steps need ---- */
+SN_MUST_USE sn_status sn_scene_no_memory(sn_error *err);
+SN_MUST_USE sn_status sn_scene_need_paths(scene_muscle *m, sn_error *err);
+/* Scales the muscles whose volumes are to be kept. The fields are solved. */
+SN_MUST_USE sn_status sn_scene_keep_volumes(sn_scene *s, const sn_run *run, sn_error *err);
+void sn_scene_free_muscle(scene_muscle *m); /* NULL is fine */
+SN_MUST_USE sn_status sn_scene_check_muscle(const sn_scene *s, int32_t i_muscle, sn_error *err);
 
 #endif

@@ -72,7 +72,7 @@ static void measure(const sn_scene *s, const sn_extraction *x, sn_scene_report *
         }
     }
     for (int32_t i = 0; i < s->n_muscle; i++) {
-        r->muscle[i].length = sn_spline_length(&s->muscle[i]->muscle.spline);
+        r->muscle[i].length = sn_muscle_length(&s->muscle[i]->muscle);
         r->muscle[i].length_outside = s->muscle[i]->row.length_outside;
     }
 }

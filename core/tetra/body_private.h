@@ -17,6 +17,10 @@ SN_MUST_USE sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh
 /* TetGen in a child process, then labels and adjacency. */
 SN_MUST_USE sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_options *opt, const sn_run *run,
                                    sn_body *out, sn_body_report *report, sn_error *err);
+/* Renumbers vertices and tets so that neighbours in space are neighbours in memory: assembly, solving and
+ * cutting walk through them in this order. face: n_face x 3 vertices of m, renumbered along. Errors:
+ * SN_ENOMEM. */
+SN_MUST_USE sn_status sn_body_sort(sn_tet_mesh *m, int32_t *face, int32_t n_face, sn_error *err);
 /* Fills in the defaults. */
 SN_MUST_USE sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin,
                                        sn_body_options *out, sn_error *err);

@@ -318,12 +318,13 @@ static sn_status unpack(const char *data, size_t size, sn_vec3 origin, double sc
         memcpy(out->mesh.pos, at, pos);
         memcpy(out->mesh.tet, at += pos, tet);
         memcpy(faces, at += tet, face + label);
+        st = sn_body_sort(&out->mesh, faces, n[2], err);
         for (int32_t v = 0; v < n[0]; v++) {
             double *p = out->mesh.pos + 3 * (size_t)v;
             sn_v3_store(p, sn_v3_mad(origin, scale, sn_v3_load(p)));
         }
-        st = sn_tet_mesh_adjacency(&out->mesh, &out->across, err);
     }
+    if (!st) st = sn_tet_mesh_adjacency(&out->mesh, &out->across, err);
     if (!st) st = label_boundary(out, faces, faces + 3 * (size_t)n[2], n[2], err);
     sn_release(faces);
     return st;

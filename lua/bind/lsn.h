@@ -16,6 +16,7 @@
 #include "extract/extraction.h"
 #include "mesh/shape.h"
 #include "mesh/tri_mesh.h"
+#include "render/camera.h"
 #include "render/image.h"
 #include "scene/scene.h"
 
@@ -27,6 +28,7 @@
 #define LSN_SCENE "sinew.scene"
 #define LSN_BONE "sinew.bone"
 #define LSN_MUSCLE "sinew.muscle"
+#define LSN_HEAD "sinew.head"
 #define LSN_EXTRACTION "sinew.extraction"
 #define LSN_PART "sinew.part"
 #define LSN_TETS "sinew.tets"
@@ -100,8 +102,22 @@ bool lsn_to_number(lua_State *L, int idx, const char *what, double *out);
 int32_t lsn_check_list(lua_State *L, int idx, int arg, const char *what);
 /* Stack room for a list of n numbers, freed by the collector. Pushes one value. */
 double *lsn_push_numbers(lua_State *L, size_t n);
+/* Pushes the values of option `key` for n things: a number for all of them, or a list of n; `what` they are
+ * called in messages ("points"). NULL, and nothing pushed, when there is none. */
+const double *lsn_push_each(lua_State *L, int arg, const char *key, int32_t n, const char *what);
 /* Pushes "known: a, b, c" of a NULL-ended list, with "did you mean 'b'? " before it when word is near one. */
 const char *lsn_push_known(lua_State *L, const char *word, const char *const keys[]);
+
+/* ---- pictures ---- */
+/* Option `size` of the table at arg, {width, height} in pixels: {800, 600} when there is none. */
+void lsn_read_size(lua_State *L, int arg, int32_t *width, int32_t *height);
+/* A colour option: a name, "#rrggbb", {r, g, b} or {r, g, b, a} in 0..1. out is untouched when there is none.
+ */
+void lsn_opt_color(lua_State *L, int arg, const char *key, float out[4]);
+/* Option `camera` of the table at arg: the name of a view, {eye=, target=, up=, fov=} or {azimuth=,
+ * elevation=, zoom=}; "front" when there is none. Views fit the bounds of the scene into a picture of that
+ * size. */
+void lsn_read_camera(lua_State *L, int arg, const sn_scene *s, int32_t width, int32_t height, sn_camera *out);
 
 /* ---- tables that go out ---- */
 void lsn_set_number(lua_State *L, const char *key, double value); /* into the table on top of the stack */
@@ -150,6 +166,22 @@ const char *lsn_check_name(lua_State *L, int arg, const char *type);
 /* Flushes the scene's notes, then raises when st is not SN_OK. */
 void lsn_scene_must(lua_State *L, sn_scene *s, sn_status st, const sn_error *err);
 
+/* The muscle whose handle is at arg; raises when it was removed. */
+int32_t lsn_find_muscle(lua_State *L, int arg, sn_scene **s);
+void lsn_set_triad(lua_State *L, sn_triad f); /* e1, e2, e3 into the table on top of the stack */
+
+/* ---- methods of a muscle that live in lsn_head.c: of its one head, when argument 1 is a muscle ---- */
+int lsn_muscle_head_count(lua_State *L);
+int lsn_muscle_head(lua_State *L);
+int lsn_head_point_count(lua_State *L);
+int lsn_head_point(lua_State *L);
+int lsn_head_set_point(lua_State *L);
+int lsn_head_insert_point(lua_State *L);
+int lsn_head_remove_point(lua_State *L);
+int lsn_head_tissue(lua_State *L);
+int lsn_head_set_tissue(lua_State *L);
+int lsn_head_curve(lua_State *L);
+
 /* ---- methods of a scene that live in other files ---- */
 int lsn_scene_render(lua_State *L);
 int lsn_scene_extract(lua_State *L);
@@ -161,6 +193,7 @@ int lsn_scene_add_muscle(lua_State *L);
 int lsn_scene_muscle(lua_State *L);
 int lsn_scene_muscles(lua_State *L);
 int lsn_scene_remove_muscle(lua_State *L);
+int lsn_scene_draw_muscle(lua_State *L);
 
 /* ---- one opener per file: registers metatables, fills fields of the module table on top of the stack ----
  */
@@ -170,6 +203,7 @@ void lsn_open_shape(lua_State *L);
 void lsn_open_scene(lua_State *L);
 void lsn_open_bone(lua_State *L);
 void lsn_open_muscle(lua_State *L);
+void lsn_open_head(lua_State *L);
 void lsn_open_extraction(lua_State *L);
 void lsn_open_tets(lua_State *L);
 void lsn_open_image(lua_State *L);

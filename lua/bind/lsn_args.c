@@ -283,3 +283,30 @@ double *lsn_push_numbers(lua_State *L, size_t n)
 {
     return lua_newuserdatauv(L, n > 0 ? n * sizeof(double) : 1, 0);
 }
+
+const double *lsn_push_each(lua_State *L, int arg, const char *key, int32_t n, const char *what)
+{
+    if (!lsn_has(L, arg, key)) return NULL;
+    int value = lua_gettop(L) + 1;
+    bool is_list = lua_getfield(L, arg, key) == LUA_TTABLE;
+    if (!is_list && lua_type(L, value) != LUA_TNUMBER)
+        (void)lsn_option_error(L, arg, key, "number or list of numbers expected, got %s",
+                               luaL_typename(L, value));
+    if (is_list && lua_rawlen(L, value) != (lua_Unsigned)n)
+        (void)lsn_option_error(L, arg, key, "%d values for %d %s", (int)lua_rawlen(L, value), n, what);
+    double *each = lsn_push_numbers(L, (size_t)n);
+    for (int32_t i = 0; i < n; i++) {
+        if (is_list)
+            (void)lua_geti(L, value, i + 1);
+        else
+            lua_pushvalue(L, value);
+        if (is_list)
+            lua_pushfstring(L, "%s[%d]", key, i + 1);
+        else
+            lua_pushfstring(L, "option '%s'", key);
+        if (!lsn_to_number(L, -2, lua_tostring(L, -1), &each[i]))
+            (void)luaL_argerror(L, arg, lua_tostring(L, -1));
+        lua_pop(L, 2);
+    }
+    return each;
+}

@@ -118,8 +118,8 @@ static const help scenes[] = {
      "clip={point=, normal=}, "
      "background=\"white\", skin_opacity=0.3, samples=2} -> image  camera: front back left right top bottom "
      "iso, {eye=, "
-     "target=, up=, fov=30} or {azimuth=, elevation=, zoom=}; show also curves, points; clip removes the "
-     "side its normal "
+     "target=, up=, fov=30} or {azimuth=, elevation=, zoom=}; show also curves, points, fibers, frames; clip "
+     "removes the side its normal "
      "points to; background: {r, g, b, a} in 0..1, \"#rrggbb\", \"white\", \"black\" or \"transparent\""},
     {"scene:extract", "scene:extract{margin=0.001} -> extraction  every muscle and \"fat\" as tets that fit "
                       "each other exactly"},
@@ -142,6 +142,22 @@ static const help muscles[] = {
 };
 
 static const help results[] = {
+    {"sinew.image.new",
+     "sinew.image.new{size={w, h}, background=\"white\"} -> image  an empty one to draw on"},
+    {"image:paste", "img:paste(other, x, y) -> img  lays other over img, its top left pixel at (x, y); what "
+                    "does not fit is cut off"},
+    {"image:fill",
+     "img:fill{x=1, y=1, width=, height=, color=} -> img  a rectangle; as large as img when not given"},
+    {"image:line",
+     "img:line{points={{x, y}, ...}, width=1, color=\"black\"} -> img  whole numbers are the middles "
+     "of pixels; one point gives a dot"},
+    {"image:text",
+     "img:text{x=, y=, text=, size=16, color=\"black\", align=\"left\", rotate=0} -> img  one line of "
+     "text on the baseline y; align: left, center, right; rotate: degrees, counter-clockwise"},
+    {"image:text_size", "img:text_size{text=, size=16} -> width, height, ascent  of one line of text, "
+                        "pixels; ascent: the part of height above the baseline"},
+    {"image:resize",
+     "img:resize(w, h) -> image  a copy of another size, each pixel the mean of what it covers"},
     {"sinew.image.load", "sinew.image.load(path) -> image | nil, message  reads .png"},
     {"sinew.image.compare",
      "sinew.image.compare(a, b [, {max=0, count=0}]) -> {equal=, max=, count=, rmse=, diff=image}  equal: "

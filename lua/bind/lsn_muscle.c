@@ -1,14 +1,17 @@
-/* lsn_muscle.c - muscles of a scene: curves and tissue values. */
+/* lsn_muscle.c - muscles of a scene: adding them, and what their owner wants of shape and fibers. Curves are
+ * in lsn_head.c. */
 #include "lsn.h"
 
-enum { max_curve_points = 1000000 };
+#include <string.h>
 
-static int32_t find(lua_State *L, sn_scene **s)
+enum { max_heads = 64 };
+
+int32_t lsn_find_muscle(lua_State *L, int arg, sn_scene **s)
 {
     const char *name;
     int32_t i = 0;
     sn_error err;
-    *s = lsn_check_member(L, 1, LSN_MUSCLE, &name);
+    *s = lsn_check_member(L, arg, LSN_MUSCLE, &name);
     sn_status st = sn_scene_find_muscle(*s, name, &i, &err);
     if (st == SN_EINVAL) (void)lsn_fail(L, SN_EINVAL, "muscle '%s' was removed", name);
     if (st) (void)lsn_raise(L, &err);
@@ -18,7 +21,7 @@ static int32_t find(lua_State *L, sn_scene **s)
 static const sn_muscle *check_muscle(lua_State *L)
 {
     sn_scene *s;
-    int32_t i = find(L, &s);
+    int32_t i = lsn_find_muscle(L, 1, &s);
     return sn_scene_muscle(s, i);
 }
 
@@ -68,17 +71,61 @@ static const double *push_tissues(lua_State *L, int arg, int32_t n)
     return tissue;
 }
 
-int lsn_scene_add_muscle(lua_State *L) /* scene:add_muscle(name, {points=, tissue=}) -> muscle */
+/* Reads {points=, tissue=} at arg; what it points to stays on the stack. */
+static sn_head_points push_head(lua_State *L, int arg)
+{
+    sn_head_points h = {0};
+    h.point = push_points(L, arg, &h.n);
+    h.tissue = push_tissues(L, arg, h.n);
+    return h;
+}
+
+/* Option `heads` of the table at arg: a list of {points=, tissue=}. Leaves what they hold on the stack. */
+static const sn_head_points *push_heads(lua_State *L, int arg, int32_t *n)
 {
     static const char *const keys[] = {"points", "tissue", NULL};
+    int list = lua_gettop(L) + 1;
+    (void)lua_getfield(L, arg, "heads");
+    *n = lsn_check_list(L, list, arg, "option 'heads'");
+    if (*n < 1 || *n > max_heads)
+        (void)lsn_option_error(L, arg, "heads", "%d heads, need 1..%d", *n, (int)max_heads);
+    sn_head_points *head = lua_newuserdatauv(L, (size_t)*n * sizeof *head, 0);
+    luaL_checkstack(L, 4 * *n + 16, "too many heads");
+    for (int32_t i = 0; i < *n; i++) {
+        if (lua_geti(L, list, i + 1) != LUA_TTABLE)
+            (void)lsn_option_error(L, arg, NULL, "heads[%d]: {points=, tissue=} expected, got %s", i + 1,
+                                   luaL_typename(L, -1));
+        int at = lua_gettop(L);
+        lua_pushvalue(L, arg); /* the head stands in for the argument, so that messages name that */
+        lua_pushvalue(L, at);
+        lua_replace(L, arg);
+        lsn_check_keys(L, arg, keys);
+        head[i] = push_head(L, arg);
+        lua_pushvalue(L, at + 1);
+        lua_replace(L, arg);
+    }
+    return head;
+}
+
+int lsn_scene_add_muscle(lua_State *L) /* scene:add_muscle(name, {points=, tissue=} or {heads=}) -> muscle */
+{
+    static const char *const keys[] = {"points", "tissue", "heads", NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     const char *name = lsn_check_text(L, 2);
-    int32_t n;
+    sn_head_points one;
+    const sn_head_points *head = &one;
+    int32_t n = 1;
     sn_error err;
     luaL_checktype(L, 3, LUA_TTABLE);
     lsn_check_keys(L, 3, keys);
-    const double *point = push_points(L, 3, &n), *tissue = push_tissues(L, 3, n);
-    lsn_scene_must(L, s, sn_scene_add_muscle(s, name, point, tissue, n, &err), &err);
+    if (lsn_has(L, 3, "heads") && (lsn_has(L, 3, "points") || lsn_has(L, 3, "tissue")))
+        return lsn_option_error(L, 3, NULL,
+                                "either option 'heads' or 'points' and 'tissue' expected, got both");
+    if (lsn_has(L, 3, "heads"))
+        head = push_heads(L, 3, &n);
+    else
+        one = push_head(L, 3);
+    lsn_scene_must(L, s, sn_scene_add_heads(s, name, head, n, &err), &err);
     lsn_push_member(L, LSN_MUSCLE, 1, name);
     return 1;
 }
@@ -128,100 +175,188 @@ static int muscle_tostring(lua_State *L)
     return 1;
 }
 
-static int muscle_point_count(lua_State *L)
+static int muscle_length(lua_State *L) /* of all heads together */
 {
-    lua_pushinteger(L, check_muscle(L)->n_point);
+    lua_pushnumber(L, sn_muscle_length(check_muscle(L)));
     return 1;
 }
 
-static int muscle_point(lua_State *L)
-{
-    const sn_muscle *m = check_muscle(L);
-    lsn_push_point(L, sn_v3_load(m->point + 3 * (size_t)lsn_check_index(L, 2, m->n_point)));
-    return 1;
-}
+/* ---- frame ---- */
 
-static int muscle_set_point(lua_State *L)
+/* A list of one to `most` numbers under key, or one number; returns how many. */
+static int32_t read_numbers(lua_State *L, int arg, const char *key, int32_t most, double *out)
 {
-    sn_scene *s;
-    int32_t i = find(L, &s), i_point = lsn_check_index(L, 2, sn_scene_muscle(s, i)->n_point);
-    sn_vec3 p = lsn_check_point(L, 3, "point");
-    sn_error err;
-    lsn_scene_must(L, s, sn_scene_set_point(s, i, i_point, p, &err), &err);
-    return 0;
-}
-
-/* A new point has the value of the curve where it goes in: half way between its neighbours, or that of the
- * end. */
-static double tissue_between(const sn_muscle *m, int32_t i_point)
-{
-    if (i_point == 0) return m->tissue[0];
-    if (i_point == m->n_point) return m->tissue[m->n_point - 1];
-    return sn_muscle_tissue_at(m, i_point - 1, 0.5);
-}
-
-static int muscle_insert_point(
-    lua_State *L) /* m:insert_point(i, p [, tissue]): before point i; count + 1 appends */
-{
-    sn_scene *s;
-    int32_t i = find(L, &s), i_point = lsn_check_index(L, 2, sn_scene_muscle(s, i)->n_point + 1);
-    sn_vec3 p = lsn_check_point(L, 3, "point");
-    double tissue =
-        lua_isnoneornil(L, 4) ? tissue_between(sn_scene_muscle(s, i), i_point) : lsn_check_finite(L, 4);
-    sn_error err;
-    lsn_scene_must(L, s, sn_scene_insert_point(s, i, i_point, p, tissue, &err), &err);
-    return 0;
-}
-
-static int muscle_remove_point(lua_State *L)
-{
-    sn_scene *s;
-    int32_t i = find(L, &s), i_point = lsn_check_index(L, 2, sn_scene_muscle(s, i)->n_point);
-    sn_error err;
-    lsn_scene_must(L, s, sn_scene_remove_point(s, i, i_point, &err), &err);
-    return 0;
-}
-
-static int muscle_tissue(lua_State *L)
-{
-    const sn_muscle *m = check_muscle(L);
-    lua_pushnumber(L, m->tissue[lsn_check_index(L, 2, m->n_point)]);
-    return 1;
-}
-
-static int muscle_set_tissue(lua_State *L) /* m:set_tissue(i, value), or (value) for all points */
-{
-    sn_scene *s;
-    int32_t i = find(L, &s), i_point = -1;
-    bool for_all = lua_gettop(L) <= 2;
-    if (!for_all) i_point = lsn_check_index(L, 2, sn_scene_muscle(s, i)->n_point);
-    double value = lsn_check_finite(L, for_all ? 2 : 3);
-    sn_error err;
-    lsn_scene_must(L, s, sn_scene_set_tissue(s, i, i_point, value, &err), &err);
-    return 0;
-}
-
-static int muscle_curve(lua_State *L) /* m:curve(n): n points evenly spaced along the curve */
-{
-    const sn_muscle *m = check_muscle(L);
-    luaL_checktype(L, 2, LUA_TNUMBER);
-    lua_Integer n = luaL_checkinteger(L, 2);
-    if (n < 2 || n > max_curve_points)
-        return luaL_argerror(L, 2,
-                             lua_pushfstring(L, "%I points, need 2..%d", (LUAI_UACINT)n, max_curve_points));
-    double *p = lsn_push_numbers(L, 3 * (size_t)n);
-    sn_spline_sample(&m->spline, (int32_t)n, p);
-    lua_createtable(L, (int)n, 0);
-    for (lua_Integer i = 0; i < n; i++) {
-        lsn_push_point(L, sn_v3_load(p + 3 * i));
-        lua_rawseti(L, -2, i + 1);
+    if (!lsn_has(L, arg, key)) return 0;
+    if (lua_getfield(L, arg, key) != LUA_TTABLE) {
+        lua_pop(L, 1);
+        out[0] = lsn_opt_number(L, arg, key, 0.0);
+        return 1;
     }
+    lua_Unsigned n = lua_rawlen(L, -1);
+    if (n < 1 || n > (lua_Unsigned)most)
+        (void)lsn_option_error(L, arg, key, "%d values, need 1..%d", (int)n, (int)most);
+    for (int i = 0; i < (int)n; i++) {
+        (void)lua_rawgeti(L, -1, i + 1);
+        lua_pushfstring(L, "option '%s'[%d]", key, i + 1);
+        if (!lsn_to_number(L, -2, lua_tostring(L, -1), &out[i]))
+            (void)luaL_argerror(L, arg, lua_tostring(L, -1));
+        lua_pop(L, 2);
+    }
+    lua_pop(L, 1);
+    return (int32_t)n;
+}
+
+static int muscle_set_frame(lua_State *L) /* m:set_frame{angle=, eigenvalues=, axis=}; nil turns it off */
+{
+    static const char *const keys[] = {"angle", "eigenvalues", "axis", NULL};
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    sn_anisotropy a = {.eigenvalue = {1.0, 1.0, 1.0}};
+    sn_error err;
+    luaL_checkany(L, 2);
+    lsn_check_keys(L, 2, keys);
+    a.is_on = !lua_isnil(L, 2);
+    a.angle_deg = lsn_opt_number(L, 2, "angle", 0.0);
+    int32_t n = read_numbers(L, 2, "eigenvalues", 3, a.eigenvalue);
+    if (n != 0 && n != 3) return lsn_option_error(L, 2, "eigenvalues", "{l1, l2, l3} expected, got %d", n);
+    a.has_axis = lsn_has(L, 2, "axis");
+    a.axis = lsn_opt_point(L, 2, "axis", sn_v3(0, 0, 0), false);
+    lsn_scene_must(L, s, sn_scene_set_anisotropy(s, i, &a, &err), &err);
+    return 0;
+}
+
+static int muscle_frame(lua_State *L) /* m:frame() -> {angle=, eigenvalues=, e1=, e2=, e3=} or nil */
+{
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    const sn_anisotropy *a = &sn_scene_muscle(s, i)->anisotropy;
+    const sn_paths *paths;
+    sn_error err;
+    if (!a->is_on) return 0;
+    if (sn_scene_muscle_paths(s, i, &paths, &err)) return lsn_raise(L, &err);
+    lua_createtable(L, 0, 6);
+    lsn_set_number(L, "angle", a->angle_deg);
+    lua_createtable(L, 3, 0);
+    for (int k = 0; k < 3; k++) {
+        lua_pushnumber(L, a->eigenvalue[k]);
+        lua_rawseti(L, -2, k + 1);
+    }
+    lua_setfield(L, -2, "eigenvalues");
+    if (a->has_axis) lsn_set_point(L, "axis", a->axis);
+    lsn_set_triad(L, paths->head[0].frame[0]);
     return 1;
 }
 
-static int muscle_length(lua_State *L)
+/* ---- volume ---- */
+
+static int muscle_volume(lua_State *L)
 {
-    lua_pushnumber(L, sn_spline_length(&check_muscle(L)->spline));
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    double volume = 0.0;
+    sn_error err;
+    lsn_scene_must(L, s, sn_scene_muscle_volume(s, i, &lsn_get_state(L)->run, &volume, &err), &err);
+    lua_pushnumber(L, volume);
+    return 1;
+}
+
+static int muscle_set_volume(lua_State *L)
+{
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    double volume = lsn_check_finite(L, 2);
+    sn_error err;
+    lsn_scene_must(L, s, sn_scene_set_volume(s, i, volume, &lsn_get_state(L)->run, &err), &err);
+    return 0;
+}
+
+static int muscle_set_preserve_volume(lua_State *L)
+{
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    sn_error err;
+    luaL_checktype(L, 2, LUA_TBOOLEAN);
+    lsn_scene_must(
+        L, s, sn_scene_set_preserve_volume(s, i, lua_toboolean(L, 2), &lsn_get_state(L)->run, &err), &err);
+    return 0;
+}
+
+static int muscle_preserved_volume(lua_State *L) /* or nil */
+{
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    double volume = sn_scene_kept_volume(s, i);
+    if (!(volume > 0.0)) return 0;
+    lua_pushnumber(L, volume);
+    return 1;
+}
+
+/* ---- fibers and tendon ---- */
+
+static int muscle_set_pennation(lua_State *L) /* m:set_pennation{kind=, angle=, sheets=}; nil: fusiform */
+{
+    static const char *const keys[] = {"kind", "angle", "sheets", NULL};
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s), kind = 0;
+    sn_pennation p = {0};
+    sn_error err;
+    luaL_checkany(L, 2);
+    lsn_check_keys(L, 2, keys);
+    const char *word = lsn_opt_string(L, 2, "kind", lua_isnil(L, 2) ? sn_architecture_name[0] : NULL);
+    if (!word) return lsn_option_error(L, 2, NULL, "option 'kind' is missing");
+    while (kind < SN_N_ARCHITECTURE && strcmp(word, sn_architecture_name[kind]) != 0) kind++;
+    if (kind == SN_N_ARCHITECTURE)
+        return lsn_option_error(L, 2, "kind", "unknown kind '%s' (%s)", word,
+                                lsn_push_known(L, word, sn_architecture_name));
+    p.kind = (sn_architecture)kind;
+    p.n_angle = read_numbers(L, 2, "angle", SN_PENNATION_ANGLES, p.angle_deg);
+    if (lsn_has(L, 2, "sheets") && p.kind != SN_MULTIPENNATE)
+        return lsn_option_error(L, 2, "sheets", "only a multipennate muscle has several");
+    p.n_sheet = p.kind == SN_MULTIPENNATE ? lsn_opt_int(L, 2, "sheets", 2) : 0;
+    lsn_scene_must(L, s, sn_scene_set_pennation(s, i, &p, &err), &err);
+    return 0;
+}
+
+static int muscle_pennation(lua_State *L) /* -> {kind=, angle=, sheets=} */
+{
+    const sn_pennation *p = &check_muscle(L)->pennation;
+    lua_createtable(L, 0, 3);
+    lua_pushstring(L, sn_architecture_name[p->kind]);
+    lua_setfield(L, -2, "kind");
+    if (p->n_sheet > 0) lsn_set_integer(L, "sheets", p->n_sheet);
+    if (p->n_angle == 1) lsn_set_number(L, "angle", p->angle_deg[0]);
+    if (p->n_angle < 2) return 1;
+    lua_createtable(L, p->n_angle, 0);
+    for (int k = 0; k < p->n_angle; k++) {
+        lua_pushnumber(L, p->angle_deg[k]);
+        lua_rawseti(L, -2, k + 1);
+    }
+    lua_setfield(L, -2, "angle");
+    return 1;
+}
+
+static int muscle_set_tendon(lua_State *L) /* m:set_tendon{length=, area=}; nil: none */
+{
+    static const char *const keys[] = {"length", "area", NULL};
+    sn_scene *s;
+    int32_t i = lsn_find_muscle(L, 1, &s);
+    sn_error err;
+    luaL_checkany(L, 2);
+    lsn_check_keys(L, 2, keys);
+    if (lua_istable(L, 2) && !lsn_has(L, 2, "length") && !lsn_has(L, 2, "area"))
+        return lsn_option_error(L, 2, NULL, "option 'length' or 'area' expected");
+    sn_tendon t = {lsn_opt_number(L, 2, "length", 0.0), lsn_opt_number(L, 2, "area", 0.0)};
+    lsn_scene_must(L, s, sn_scene_set_tendon(s, i, &t, &err), &err);
+    return 0;
+}
+
+static int muscle_tendon(lua_State *L) /* -> {length=, area=}, or nil */
+{
+    const sn_tendon *t = &check_muscle(L)->tendon;
+    if (!(t->length > 0.0 || t->area > 0.0)) return 0;
+    lua_createtable(L, 0, 2);
+    lsn_set_number(L, "length", t->length);
+    lsn_set_number(L, "area", t->area);
     return 1;
 }
 
@@ -229,15 +364,27 @@ void lsn_open_muscle(lua_State *L)
 {
     static const luaL_Reg meta[] = {{"__eq", lsn_member_eq}, {"__tostring", muscle_tostring}, {NULL, NULL}};
     static const luaL_Reg methods[] = {{"name", muscle_name},
-                                       {"point_count", muscle_point_count},
-                                       {"point", muscle_point},
-                                       {"set_point", muscle_set_point},
-                                       {"insert_point", muscle_insert_point},
-                                       {"remove_point", muscle_remove_point},
-                                       {"tissue", muscle_tissue},
-                                       {"set_tissue", muscle_set_tissue},
-                                       {"curve", muscle_curve},
+                                       {"head_count", lsn_muscle_head_count},
+                                       {"head", lsn_muscle_head},
+                                       {"point_count", lsn_head_point_count},
+                                       {"point", lsn_head_point},
+                                       {"set_point", lsn_head_set_point},
+                                       {"insert_point", lsn_head_insert_point},
+                                       {"remove_point", lsn_head_remove_point},
+                                       {"tissue", lsn_head_tissue},
+                                       {"set_tissue", lsn_head_set_tissue},
+                                       {"curve", lsn_head_curve},
                                        {"length", muscle_length},
+                                       {"set_frame", muscle_set_frame},
+                                       {"frame", muscle_frame},
+                                       {"volume", muscle_volume},
+                                       {"set_volume", muscle_set_volume},
+                                       {"set_preserve_volume", muscle_set_preserve_volume},
+                                       {"preserved_volume", muscle_preserved_volume},
+                                       {"set_pennation", muscle_set_pennation},
+                                       {"pennation", muscle_pennation},
+                                       {"set_tendon", muscle_set_tendon},
+                                       {"tendon", muscle_tendon},
                                        {NULL, NULL}};
     lsn_new_type(L, LSN_MUSCLE, meta, methods);
 }

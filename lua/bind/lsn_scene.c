@@ -244,6 +244,8 @@ static void set_tissue_report(lua_State *L, const sn_tissue_report *r)
     lsn_set_number(L, "seconds_analysis", r->seconds_analysis);
     lsn_set_number(L, "seconds_factor", r->seconds_factor);
     lsn_set_number(L, "seconds_solve", r->seconds_solve);
+    lsn_set_integer(L, "anisotropic", r->n_anisotropic);
+    lsn_set_number(L, "seconds_anisotropic", r->seconds_anisotropic);
 }
 
 static int scene_solve(lua_State *L)
@@ -256,6 +258,7 @@ static int scene_solve(lua_State *L)
     set_tissue_report(L, &r.tissue);
     lsn_set_bool(L, "meshed", r.was_meshed);
     lsn_set_bool(L, "factorized", r.was_factorized);
+    lsn_set_number(L, "seconds_frames", r.seconds_frames);
     lsn_set_number(L, "seconds", r.seconds);
     return 1;
 }
@@ -391,6 +394,7 @@ void lsn_open_scene(lua_State *L)
                                        {"fat", scene_fat},
                                        {"alpha", scene_alpha},
                                        {"add_muscle", lsn_scene_add_muscle},
+                                       {"draw_muscle", lsn_scene_draw_muscle},
                                        {"muscle", lsn_scene_muscle},
                                        {"muscles", lsn_scene_muscles},
                                        {"remove_muscle", lsn_scene_remove_muscle},

@@ -34,6 +34,7 @@ local a = assert(sinew.image.load(write("a.png", png_a)))
 local b = assert(sinew.image.load(write("b.png", png_b)))
 
 local function pixel(img, x, y) return table.concat({img:pixel(x, y)}, " ") end
+local function is_white(img, x, y) return pixel(img, x, y) == "255 255 255 255" end
 
 -- ---- images ----
 
@@ -105,6 +106,121 @@ test("closed images", function()
     for name in pairs(getmetatable(a).__index) do check(sinew.help_text["image:" .. name], name) end
 end)
 
+-- ---- figure sheets ----
+
+test("new, fill", function()
+    local img = sinew.image.new{size = {8, 6}}
+    check(tostring(img) == "image: 8 x 6 pixels" and pixel(img, 8, 6) == "255 255 255 255")
+    check(pixel(sinew.image.new{size = {1, 1}, background = "transparent"}, 1, 1):match(" 0$"))
+    check(pixel(sinew.image.new{size = {1, 1}, background = "#ff8000"}, 1, 1) == "255 128 0 255")
+    check(img:fill{x = 2, y = 3, width = 2, height = 1, color = "black"} == img, "calls can be chained")
+    for y = 1, 6 do
+        for x = 1, 8 do
+            check((pixel(img, x, y) == "0 0 0 255") == (y == 3 and (x == 2 or x == 3)))
+        end
+    end
+    img:fill{x = -1, y = 6, width = 3, color = {1, 0, 0}}
+    check(pixel(img, 1, 6) == "255 0 0 255" and pixel(img, 2, 6) == "255 255 255 255")
+    img:fill{color = "#102030"}
+    check(pixel(img, 1, 1) == "16 32 48 255" and pixel(img, 8, 6) == "16 32 48 255", "all of it")
+end)
+
+test("paste", function()
+    local img = sinew.image.new{size = {4, 4}}
+    check(img:paste(a, 2, 3) == img)
+    check(pixel(img, 2, 3) == pixel(a, 1, 1) and pixel(img, 3, 3) == pixel(a, 2, 1) and is_white(img, 1, 3))
+    check(pixel(img, 3, 4) == "187 188 188 255", "half over white, in linear light")
+    img:paste(a, 0, 0):paste(a, 100, -100)
+    check(pixel(img, 1, 1) ~= "255 255 255 255" and is_white(img, 2, 2))
+    img:paste(img, 1, 1)
+end)
+
+test("line, text, text_size", function()
+    local img = sinew.image.new{size = {60, 30}}
+    check(img:line{points = {{5, 4}, {50, 4}}} == img)
+    check(pixel(img, 30, 4) == "0 0 0 255" and is_white(img, 30, 3) and is_white(img, 30, 5))
+    img:line{points = {{5, 10}, {50, 10}}, width = 3, color = {0, 0, 1}}
+    for y = 9, 11 do check(pixel(img, 30, y) == "0 0 255 255") end
+    check(is_white(img, 30, 8) and is_white(img, 30, 12))
+    local w, h, ascent = img:text_size{text = "HI", size = 12}
+    check(w > 8 and w < 20 and h >= 13 and ascent > 8 and ascent < h)
+    check(img:text{x = 10, y = 28, text = "HI", size = 12} == img)
+    local lowest, left, right = 0, 60, 0
+    for y = 13, 30 do
+        for x = 1, 60 do
+            if not is_white(img, x, y) then
+                lowest, left, right = math.max(lowest, y), math.min(left, x), math.max(right, x)
+            end
+        end
+    end
+    check(lowest == 28 and left >= 10 and right <= 10 + w, "on the baseline, within its width")
+    check(img:text_size{text = ""} == 0)
+    for _, align in ipairs{"left", "center", "right"} do
+        img:text{x = 30, y = 28, text = "µ", align = align, rotate = 45, color = "#ff0000"}
+    end
+end)
+
+test("resize", function()
+    local img = sinew.image.new{size = {4, 2}}
+    img:fill{x = 1, width = 1, color = "black"}:fill{x = 3, width = 1, color = "black"}
+    local small = img:resize(1, 1)
+    check(pixel(small, 1, 1) == "188 188 188 255" and img:width() == 4)
+    check(sinew.image.compare(img, img:resize(4, 2)).equal)
+    check(img:resize(8, 8):height() == 8)
+end)
+
+test("figure sheets: wrong use", function()
+    local img = sinew.image.new{size = {10, 10}}
+    local new = sinew.image.new
+    checkerr("option 'size' is missing", new)
+    checkerr("option 'size' is missing", new, {})
+    checkerr("unknown option 'sice' (did you mean 'size'? known: size, background)", new, {sice = {1, 1}})
+    checkerr("option 'size': width is 0, need a whole number of pixels in 1..16384", new, {size = {0, 1}})
+    checkerr("option 'size': height is 16385, need", new, {size = {1, 16385}})
+    checkerr("option 'size': width is ", new, {size = {nan, 1}})
+    checkerr("option 'size': {width, height} expected", new, {size = 5})
+    checkerr("option 'background': unknown colour 'mauve'", new, {size = {1, 1}, background = "mauve"})
+    checkerr("sinew.image expected, got nil", img.paste, img, nil, 1, 1)
+    checkerr("number expected, got string", img.paste, img, a, "1", 1)
+    checkerr("x is 1.5, need a whole number of pixels", img.paste, img, a, 1.5, 1)
+    checkerr("y is 1e+99, need a whole number of pixels", img.paste, img, a, 1, 1e99)
+    checkerr("finite number expected", img.paste, img, a, nan, 1)
+    checkerr("option 'color' is missing", img.fill, img, {})
+    checkerr("option 'x': ", img.fill, img, {x = "1", color = "black"})
+    checkerr("option 'x' is 1.5, need a whole number of pixels", img.fill, img, {x = 1.5, color = "black"})
+    checkerr("image: a rectangle of -1 x 10 pixels, need 0 or more", img.fill, img, {width = -1, color = "black"})
+    checkerr("option 'color': value 1 is 2, need a number in 0..1", img.fill, img, {color = {2, 0, 0}})
+    checkerr("unknown option 'colour' (did you mean 'color'? known: x, y, width, height, color)", img.fill, img, {colour = "black"})
+    checkerr("option 'points' is missing", img.line, img, {})
+    checkerr("option 'points': list expected, got number", img.line, img, {points = 1})
+    checkerr("option 'points': point 2: {x, y} expected", img.line, img, {points = {{1, 1}, {1}}})
+    checkerr("option 'points': point 1: coordinate y: number expected, got string", img.line, img, {points = {{1, "1"}}})
+    checkerr("option 'points': point 1: coordinate x: finite number expected", img.line, img, {points = {{nan, 1}}})
+    checkerr("image: a line of 0 points, need 1 or more", img.line, img, {points = {}})
+    checkerr("option 'width': number above 0 expected, got 0", img.line, img, {points = {{1, 1}}, width = 0})
+    checkerr("image: a line 20000 pixels wide, need more than 0, at most 16384", img.line, img, {points = {{1, 1}}, width = 20000})
+    checkerr("option 'x' is missing", img.text, img, {y = 1, text = "a"})
+    checkerr("option 'y' is missing", img.text, img, {x = 1, text = "a"})
+    checkerr("option 'text' is missing", img.text, img, {x = 1, y = 1})
+    checkerr("option 'text': string expected, got number", img.text, img, {x = 1, y = 1, text = 1})
+    checkerr("option 'align': unknown 'middle' (known: left, center, right)", img.text, img, {x = 1, y = 1, text = "a", align = "middle"})
+    checkerr("option 'rotate': finite number expected", img.text, img, {x = 1, y = 1, text = "a", rotate = nan})
+    checkerr("image: text of size 3000 pixels, need 1..2000", img.text, img, {x = 1, y = 1, text = "a", size = 3000})
+    checkerr("need one line of plain text", img.text, img, {x = 1, y = 1, text = "a\nb"})
+    checkerr("image: the text is not valid UTF-8", img.text, img, {x = 1, y = 1, text = "\xff"})
+    checkerr("option 'text' is missing", img.text_size, img, {})
+    checkerr("width is 0, need 1..16384 pixels", img.resize, img, 0, 1)
+    checkerr("height is 16385, need 1..16384 pixels", img.resize, img, 1, 16385)
+    checkerr("number expected, got no value", img.resize, img, 1)
+    local closed = sinew.image.new{size = {1, 1}}
+    closed:close()
+    for _, name in ipairs{"paste", "fill", "line", "text", "text_size", "resize"} do
+        checkerr("image was closed", closed[name], closed, {})
+    end
+    checkerr("image was closed", img.paste, img, closed, 1, 1)
+    check(sinew.image.compare(img, sinew.image.new{size = {10, 10}}).equal, "nothing was drawn")
+end)
+
 -- ---- pictures ----
 
 local scene = small_scene()
@@ -114,8 +230,6 @@ local function render(o)
     o.samples = o.samples or 1
     return scene:render(o)
 end
-
-local function is_white(img, x, y) return pixel(img, x, y) == "255 255 255 255" end
 
 test("render: size, background", function()
     local img = render{}
@@ -187,7 +301,7 @@ test("render: wrong options", function()
     bad("option 'size': height is ", {size = {10, nan}})
     bad("option 'show': list expected, got string", {show = "skin"})
     bad("option 'show': list of names expected, item 1 is a number", {show = {1}})
-    bad("option 'show': unknown 'muscle' (did you mean 'muscles'? known: muscles, bones, skin, curves, points)", {show = {"muscle"}})
+    bad("option 'show': unknown 'muscle' (did you mean 'muscles'? known: muscles, bones, skin, curves, points, fibers, frames)", {show = {"muscle"}})
     bad("option 'background': unknown colour 'mauve' (known: transparent, white, black, #rrggbb)",
         {background = "mauve"})
     bad("option 'background': unknown colour '#12345g'", {background = "#12345g"})

@@ -126,10 +126,10 @@ static void small_matrix(void **state)
     sn_csr a = {ptr, idx, val, 3};
     sn_cholesky *c = NULL;
     sn_error err;
-    assert_int_equal(sn_cholesky_create(&c, &a, number, 0, NULL, &err), SN_EINVAL);
+    assert_int_equal(sn_cholesky_create(&c, &a, number, 0, NULL, NULL, &err), SN_EINVAL);
     assert_string_equal(err.msg, "cholesky: the matrix has no rows");
     assert_null(c);
-    assert_int_equal(sn_cholesky_create(&c, &a, number, 2, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_create(&c, &a, number, 2, NULL, NULL, NULL), SN_OK);
     assert_int_equal(sn_cholesky_factorize(c, &a, NULL, NULL), SN_OK);
     assert_true(sn_cholesky_factor_entries(c) >= 3);
     double x[] = {3 * 5 + 2 * 7, 2 * 5 + 4 * 7, 3, 2}; /* x = (5, 7) and (1, 0) */
@@ -160,7 +160,7 @@ static void solve_dirichlet(const sn_tet_mesh *m, const bool *fixed, double *x)
         for (int64_t k = a.ptr[v]; k < a.ptr[v + 1] && !fixed[v]; k++)
             if (fixed[a.idx[k]]) b[number[v]] -= a.val[k] * x[a.idx[k]];
     sn_cholesky *c = NULL;
-    assert_int_equal(sn_cholesky_create(&c, &a, number, n, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_create(&c, &a, number, n, NULL, NULL, NULL), SN_OK);
     assert_int_equal(sn_cholesky_factorize(c, &a, NULL, NULL), SN_OK);
     assert_int_equal(sn_cholesky_solve(c, b, 1, NULL, NULL), SN_OK);
     for (int32_t v = 0; v < m->n_vert; v++)
@@ -243,7 +243,7 @@ typedef struct scene {
     sn_body body;
     sn_locator *locator;
     sn_collocation row[80];
-    const sn_collocation *ptr[80];
+    sn_tissue_muscle ptr[80];
     int32_t n_muscle;
 } scene;
 
@@ -276,9 +276,9 @@ static void add_muscle(scene *s, const double *point, const double *tissue, int3
     double p[30];
     sn_muscle m;
     for (int32_t k = 0; k < 3 * n; k++) p[k] = scale * point[k];
-    assert_int_equal(sn_muscle_init(&m, "m", p, tissue, n, NULL), SN_OK);
+    assert_int_equal(sn_muscle_init(&m, "m", &(sn_head_points){p, tissue, n}, 1, NULL), SN_OK);
     assert_int_equal(sn_collocate(&m, &s->body, s->locator, &s->row[s->n_muscle], NULL, NULL), SN_OK);
-    s->ptr[s->n_muscle] = &s->row[s->n_muscle];
+    s->ptr[s->n_muscle].row = &s->row[s->n_muscle];
     s->n_muscle++;
     sn_muscle_free(&m);
 }

@@ -1,149 +1,7 @@
 /* test_picture - what is drawn, as numbers: areas, places, colours, counts. */
-#include "render/picture.h"
-
-#include "base/alloc.h"
+#include "made_body.h"
 #include "render/draw.h"
 #include "render/muscle_tets.h"
-
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#define PI 3.14159265358979323846
-
-/* Mesa keeps a few bytes per context until the process ends; that is not ours to free. */
-const char *__lsan_default_suppressions(void);
-const char *__lsan_default_suppressions(void)
-{
-    return "leak:libOSMesa\n";
-}
-
-static void ok(sn_status st, const sn_error *err)
-{
-    if (st) fail_msg("%s", err->msg);
-}
-
-static void expect(sn_status st, sn_status want, const sn_error *err, const char *text)
-{
-    assert_int_equal(st, want);
-    if (!strstr(err->msg, text)) fail_msg("'%s' does not say '%s'", err->msg, text);
-}
-
-static void assert_near(double a, double b, double tol)
-{
-    if (!(fabs(a - b) <= tol)) fail_msg("%.17g is not %.17g within %g", a, b, tol);
-}
-
-/* ---- a cube [-1, 1]^3 of n^3 boxes, six tets each (Kuhn), with fields given as functions ---- */
-
-typedef struct body {
-    sn_tet_mesh mesh;
-    double *field;
-    int32_t n_tissue;
-    sn_picture_scene scene;
-} body;
-typedef double (*field_fn)(int32_t i_tissue, sn_vec3 p);
-
-static void fill_cube(sn_tet_mesh *m, int n)
-{
-    static const int order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
-    int step[3] = {1, n + 1, (n + 1) * (n + 1)}, v = 0, t = 0;
-    for (int z = 0; z <= n; z++)
-        for (int y = 0; y <= n; y++)
-            for (int x = 0; x <= n; x++, v++)
-                sn_v3_store(m->pos + 3 * v, sn_v3(2.0 * x / n - 1.0, 2.0 * y / n - 1.0, 2.0 * z / n - 1.0));
-    for (int b = 0; b < n * n * n; b++)
-        for (int q = 0; q < 6; q++, t++) {
-            int32_t *c = m->tet + 4 * t;
-            c[0] = b % n + b / n % n * step[1] + b / (n * n) * step[2];
-            for (int k = 0; k < 3; k++) c[k + 1] = c[k] + step[order[q][k]];
-            if (q >= 3) { /* an odd path: turn it round */
-                int32_t swap = c[1];
-                c[1] = c[2];
-                c[2] = swap;
-            }
-        }
-}
-
-static void body_make(body *b, int n, int32_t n_tissue, field_fn f)
-{
-    sn_error err;
-    memset(b, 0, sizeof *b);
-    ok(sn_tet_mesh_reserve(&b->mesh, (n + 1) * (n + 1) * (n + 1), 6 * n * n * n, false, &err), &err);
-    fill_cube(&b->mesh, n);
-    ok(sn_tet_mesh_validate(&b->mesh, &err), &err);
-    b->field = malloc(sizeof(double) * (size_t)n_tissue * (size_t)b->mesh.n_vert);
-    for (int32_t i = 0; i < n_tissue; i++)
-        for (int32_t v = 0; v < b->mesh.n_vert; v++)
-            b->field[(size_t)i * (size_t)b->mesh.n_vert + (size_t)v] = f(i, sn_tet_mesh_point(&b->mesh, v));
-    b->n_tissue = n_tissue;
-    b->scene = (sn_picture_scene){.tets = &b->mesh, .field = b->field, .n_tissue = n_tissue, .unit = 3.5};
-}
-
-static void body_free(body *b)
-{
-    sn_tet_mesh_free(&b->mesh);
-    free(b->field);
-}
-
-/* From the front, all shown, on nothing. */
-static sn_picture_options front(int w, int h)
-{
-    sn_picture_options o = {.width = w, .height = h, .samples = 1, .skin_opacity = 0.5};
-    sn_error err;
-    o.show_muscles = o.show_bones = o.show_skin = o.show_curves = o.show_points = true;
-    ok(sn_camera_preset(&o.camera, "front", (sn_box3){{-1, -1, -1}, {1, 1, 1}}, SN_UP_Y, (double)w / h, &err),
-       &err);
-    return o;
-}
-
-static sn_picture_stats draw(const sn_picture_scene *s, const sn_picture_options *o, sn_image *m)
-{
-    sn_picture_stats stats;
-    sn_error err;
-    sn_image_init(m);
-    ok(sn_picture_draw(s, o, NULL, m, &stats, &err), &err);
-    return stats;
-}
-
-static double covered(const sn_image *m) /* pixels */
-{
-    double sum = 0.0;
-    for (size_t i = 0; i < (size_t)m->width * (size_t)m->height; i++) sum += m->rgba[4 * i + 3] / 255.0;
-    return sum;
-}
-
-static const uint8_t *at(const sn_image *m, int x, int y)
-{
-    return m->rgba + 4 * ((size_t)y * (size_t)m->width + (size_t)x);
-}
-
-static const uint8_t *at_point(const sn_image *m, const sn_camera *c, sn_vec3 p)
-{
-    double x, y;
-    assert_true(sn_camera_project(c, p, m->width, m->height, &x, &y));
-    return at(m, (int)lround(x), (int)lround(y));
-}
-
-/* Which of the two muscle colours a lit pixel comes from: by the ratios of its linear channels. */
-static double hue_distance(const uint8_t *p, int32_t i_muscle)
-{
-    sn_rgb c = sn_muscle_color(i_muscle);
-    double a[3] = {pow(p[0] / 255.0, 2.2), pow(p[1] / 255.0, 2.2), pow(p[2] / 255.0, 2.2)};
-    double b[3] = {pow(c.r, 2.2), pow(c.g, 2.2), pow(c.b, 2.2)}, na = 0, nb = 0, d = 0;
-    for (int k = 0; k < 3; k++) {
-        na += a[k];
-        nb += b[k];
-    }
-    for (int k = 0; k < 3; k++) d += fabs(a[k] / na - b[k] / nb);
-    return d;
-}
 
 /* ---- fields: fat is tissue 0 ---- */
 
@@ -363,12 +221,6 @@ static void test_border_shows_muscle(void **state)
 
 /* ---- the section ---- */
 
-static double color_gap(const uint8_t *p, sn_rgb c)
-{
-    return fmax(fabs(p[0] - 255.0 * (double)c.r),
-                fmax(fabs(p[1] - 255.0 * (double)c.g), fabs(p[2] - 255.0 * (double)c.b)));
-}
-
 static void test_section_areas(void **state)
 {
     (void)state;
@@ -432,20 +284,154 @@ static void test_clip_from_behind(void **state)
     body_free(&b);
 }
 
-/* ---- bones, skin, curves ---- */
+/* ---- tendons ---- */
 
-static void make_box(sn_tri_mesh *m, sn_vec3 lo, sn_vec3 hi)
+static const sn_rgb tendon_color = {0.915f, 0.900f, 0.880f};
+
+/* Of each muscle: a value above 0 where normal.p > offset. */
+typedef struct tendons {
+    float *value[2];
+    const float *muscle[2];
+} tendons;
+
+static void tendons_make(tendons *t, body *b, sn_vec3 normal, double offset)
 {
-    static const int32_t face[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                                     2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-    sn_error err;
-    sn_tri_mesh_init(m);
-    ok(sn_tri_mesh_reserve(m, 8, 12, &err), &err);
-    for (int k = 0; k < 8; k++)
-        sn_v3_store(m->pos + 3 * k, sn_v3(k & 1 ? hi.x : lo.x, k & 2 ? hi.y : lo.y, k & 4 ? hi.z : lo.z));
-    memcpy(m->face, face, sizeof face);
-    assert_true(sn_tri_mesh_volume(m) > 0.0);
+    size_t n = (size_t)b->mesh.n_vert;
+    for (int k = 0; k < 2; k++) {
+        t->muscle[k] = t->value[k] = malloc(n * sizeof(float));
+        for (size_t v = 0; v < n; v++)
+            t->value[k][v] = (float)(sn_v3_dot(normal, sn_tet_mesh_point(&b->mesh, (int32_t)v)) - offset);
+    }
+    b->scene.tendon = t->muscle;
 }
+
+static void tendons_free(tendons *t)
+{
+    free(t->value[0]);
+    free(t->value[1]);
+}
+
+static bool is_pale(const uint8_t *p) /* tendon, whatever the light: red not much above blue */
+{
+    return p[3] == 255 && p[0] < 1.25 * p[2];
+}
+
+/* The ball's surface changes where y = 0.123, in pixels; left and right of the middle, too. */
+static void test_tendon_border_on_a_ball(void **state)
+{
+    (void)state;
+    body b;
+    tendons t;
+    sn_image m;
+    body_make(&b, 24, 2, ball);
+    tendons_make(&t, &b, sn_v3(0, 1, 0), 0.123);
+    sn_picture_options o = front(300, 300);
+    (void)draw(&b.scene, &o, &m);
+    for (int k = -4; k <= 4; k++) {
+        double x = 0.1 * k, px, py;
+        sn_vec3 p = sn_v3(x, 0.123, sqrt(0.49 - x * x - 0.123 * 0.123));
+        assert_true(sn_camera_project(&o.camera, p, 300, 300, &px, &py));
+        int at_x = (int)lround(px), first = 0;
+        while (first < 300 && !is_pale(at(&m, at_x, first))) first++;
+        int last = first;
+        while (is_pale(at(&m, at_x, last))) last++;
+        assert_near(last - 0.5, py, 1.0);
+        for (int y = last; at(&m, at_x, y)[3] == 255; y++) assert_false(is_pale(at(&m, at_x, y)));
+    }
+    sn_image_free(&m);
+    tendons_free(&t);
+    body_free(&b);
+}
+
+/* Where the muscle reaches the border of the mesh, and in the section. */
+static void test_tendon_border_on_flat_pieces(void **state)
+{
+    (void)state;
+    for (int is_section = 0; is_section < 2; is_section++) {
+        body b;
+        tendons t;
+        sn_image m;
+        double z = is_section ? 0.1 : 1.0, px, py;
+        body_make(&b, 5, 2, only_muscle);
+        tendons_make(&t, &b, sn_v3(1, 0.3, 0.5), -0.2);
+        sn_picture_options o = front(300, 300);
+        o.has_clip = is_section;
+        o.clip_point = sn_v3(0, 0, z);
+        o.clip_normal = sn_v3(0, 0, 1);
+        (void)draw(&b.scene, &o, &m);
+        for (int k = -4; k <= 4; k++) {
+            double y = 0.2 * k, x = -0.2 - 0.3 * y - 0.5 * z;
+            assert_true(sn_camera_project(&o.camera, sn_v3(x, y, z), 300, 300, &px, &py));
+            int row = (int)lround(py);
+            px += 0.3 * (row - py); /* along the border to the middle of the row: lower means more x */
+            for (int i = 3; i < 30; i += 3) {
+                assert_true(is_pale(at(&m, (int)lround(px + i), row)));
+                if (px - i > 12.0) assert_false(is_pale(at(&m, (int)lround(px - i), row)));
+            }
+            if (!is_section) continue;
+            assert_true(color_gap(at(&m, (int)lround(px + 2), row), tendon_color) <= 1.0);
+            assert_true(color_gap(at(&m, (int)lround(px - 2), row), sn_muscle_color(0)) <= 1.0);
+        }
+        sn_image_free(&m);
+        tendons_free(&t);
+        body_free(&b);
+    }
+}
+
+/* Values that are nowhere above 0, or none for any muscle, change nothing; one muscle's leave the other
+ * alone. */
+static void test_tendon_of_one_muscle(void **state)
+{
+    (void)state;
+    body b;
+    tendons t;
+    sn_image m[4];
+    body_make(&b, 6, 3, two_sides);
+    sn_picture_options o = front(120, 120);
+    tendons_make(&t, &b, sn_v3(0, 0, 1), 1.0); /* z > 1: at most 0 */
+    (void)draw(&b.scene, &o, &m[1]);
+    t.muscle[0] = t.muscle[1] = NULL;
+    (void)draw(&b.scene, &o, &m[2]);
+    b.scene.tendon = NULL;
+    (void)draw(&b.scene, &o, &m[0]);
+    b.scene.tendon = t.muscle;
+    t.muscle[1] = t.value[1];
+    for (int32_t v = 0; v < b.mesh.n_vert; v++) t.value[1][v] = 1.0f;
+    (void)draw(&b.scene, &o, &m[3]);
+    assert_memory_equal(m[0].rgba, m[1].rgba, 4 * 120 * 120);
+    assert_memory_equal(m[0].rgba, m[2].rgba, 4 * 120 * 120);
+    for (int k = 1; k <= 8; k++) {
+        sn_vec3 p = sn_v3(0.1 * k, 0.2, 0.3 + 0.05 * k);
+        assert_true(is_pale(at_point(&m[3], &o.camera, p)));
+        assert_false(is_pale(at_point(&m[0], &o.camera, p)));
+        p.x = -p.x;
+        assert_memory_equal(at_point(&m[3], &o.camera, p), at_point(&m[0], &o.camera, p), 3);
+    }
+    for (int k = 0; k < 4; k++) sn_image_free(&m[k]);
+    tendons_free(&t);
+    body_free(&b);
+}
+
+static void test_tendon_messages(void **state)
+{
+    (void)state;
+    body b;
+    tendons t;
+    sn_image m;
+    sn_error e;
+    body_make(&b, 2, 3, two_sides);
+    tendons_make(&t, &b, sn_v3(0, 0, 1), 0.0);
+    t.value[1][4] = NAN;
+    sn_picture_options o = front(20, 20);
+    sn_image_init(&m);
+    expect(sn_picture_draw(&b.scene, &o, NULL, &m, NULL, &e), SN_EINVAL, &e,
+           "picture: the tendon of muscle 2 has the value ");
+    assert_non_null(strstr(e.msg, "at vertex 5, need a finite one"));
+    tendons_free(&t);
+    body_free(&b);
+}
+
+/* ---- bones, skin, curves ---- */
 
 /* A small bone a little in front of or behind the muscle's surface: depths of the two ways of drawing agree.
  */
@@ -673,20 +659,6 @@ static void test_messages(void **state)
     body_free(&b);
 }
 
-/* Fails the 1st, 2nd, ... allocation: a clean error each time, until the picture comes out. */
-typedef struct counter {
-    long left;
-} counter;
-static void *count_realloc(void *user, void *p, size_t bytes)
-{
-    counter *c = user;
-    if (bytes == 0) {
-        free(p);
-        return NULL;
-    }
-    return c->left-- == 0 ? NULL : realloc(p, bytes);
-}
-
 static void test_no_memory(void **state)
 {
     (void)state;
@@ -789,6 +761,10 @@ int main(void)
         cmocka_unit_test(test_border_shows_muscle),
         cmocka_unit_test(test_section_areas),
         cmocka_unit_test(test_clip_from_behind),
+        cmocka_unit_test(test_tendon_border_on_a_ball),
+        cmocka_unit_test(test_tendon_border_on_flat_pieces),
+        cmocka_unit_test(test_tendon_of_one_muscle),
+        cmocka_unit_test(test_tendon_messages),
         cmocka_unit_test(test_depth_agrees),
         cmocka_unit_test(test_cut_bone_is_capped),
         cmocka_unit_test(test_skin_opacity),

@@ -124,7 +124,7 @@ static void a_tissue_value_needs_its_own_field_only(void **state)
     solve(s);
     double *before = copy_fields(s);
     size_t row = (size_t)sn_scene_body(s)->mesh.n_vert;
-    assert_int_equal(sn_scene_set_tissue(s, 1, 0, 2.0, NULL), SN_OK);
+    assert_int_equal(sn_scene_set_tissue(s, 1, 0, 0, 2.0, NULL), SN_OK);
     assert_null(sn_scene_fields(s));
     sn_solve_report r = solve(s);
     assert_false(r.was_meshed || r.was_factorized);
@@ -133,11 +133,11 @@ static void a_tissue_value_needs_its_own_field_only(void **state)
     assert_memory_equal(before, after, 2 * row * sizeof *after);                     /* fat, flexor */
     assert_memory_not_equal(before + 2 * row, after + 2 * row, row * sizeof *after); /* extensor */
     assert_memory_equal(before + 3 * row, after + 3 * row, row * sizeof *after);     /* abductor */
-    assert_int_equal(sn_scene_set_tissue(s, 1, 0, 1.0, NULL), SN_OK);
+    assert_int_equal(sn_scene_set_tissue(s, 1, 0, 0, 1.0, NULL), SN_OK);
     solve(s);
     assert_true(largest_difference(s, before) <
                 1e-12); /* solved alone or together with others: not the same bits */
-    assert_int_equal(sn_scene_set_tissue(s, 0, -1, 3.0, NULL),
+    assert_int_equal(sn_scene_set_tissue(s, 0, 0, -1, 3.0, NULL),
                      SN_OK); /* all points: the field is linear in them */
     solve(s);
     for (size_t k = row; k < 2 * row; k++) assert_true(fabs(sn_scene_fields(s)[k] - 3.0 * before[k]) < 1e-9);
@@ -173,9 +173,9 @@ static void a_moved_point_needs_a_new_factor(void **state)
     double *before = copy_fields(s);
     const sn_body *body = sn_scene_body(s);
     for (int what = 0; what < 4; what++) {
-        sn_status st = what == 0   ? sn_scene_set_point(s, 0, 1, sn_v3(0.1, 0, 0.55), &err)
-                       : what == 1 ? sn_scene_insert_point(s, 0, 1, sn_v3(0, -0.5, 0.6), 1.2, &err)
-                       : what == 2 ? sn_scene_remove_point(s, 0, 1, &err)
+        sn_status st = what == 0   ? sn_scene_set_point(s, 0, 0, 1, sn_v3(0.1, 0, 0.55), &err)
+                       : what == 1 ? sn_scene_insert_point(s, 0, 0, 1, sn_v3(0, -0.5, 0.6), 1.2, &err)
+                       : what == 2 ? sn_scene_remove_point(s, 0, 0, 1, &err)
                                    : sn_scene_set_alpha(s, 50, &err);
         if (st) fail_msg("%s", err.msg);
         assert_null(sn_scene_fields(s));
@@ -187,7 +187,7 @@ static void a_moved_point_needs_a_new_factor(void **state)
         assert_true(largest_difference(s, before) > 1e-4);
     }
     assert_int_equal(sn_scene_set_alpha(s, 5, NULL), SN_OK);
-    assert_int_equal(sn_scene_set_point(s, 0, 1, sn_v3(0, 0, 0.6), NULL),
+    assert_int_equal(sn_scene_set_point(s, 0, 0, 1, sn_v3(0, 0, 0.6), NULL),
                      SN_OK); /* as it was: the same bits */
     solve(s);
     assert_memory_equal(before, sn_scene_fields(s), field_size(s));
@@ -361,22 +361,22 @@ static void errors_leave_the_scene_as_it_was(void **state)
     assert_message(sn_scene_set_alpha(s, (double)INFINITY, &err), &err, "alpha is inf, need > 0");
     assert_message(sn_scene_add_muscle(s, "m", front, NULL, 1, &err), &err, "'m'");
     assert_message(sn_scene_add_muscle(s, "m", front, (double[]){1, 0, 1}, 3, &err), &err, "'m'");
-    assert_message(sn_scene_set_point(s, 3, 0, sn_v3(0, 0, 0), &err), &err, "muscle 4, need 1..3");
-    assert_message(sn_scene_set_point(s, -1, 0, sn_v3(0, 0, 0), &err), &err, "muscle 0, need 1..3");
-    assert_message(sn_scene_set_point(s, 0, 3, sn_v3(0, 0, 0), &err), &err,
+    assert_message(sn_scene_set_point(s, 3, 0, 0, sn_v3(0, 0, 0), &err), &err, "muscle 4, need 1..3");
+    assert_message(sn_scene_set_point(s, -1, 0, 0, sn_v3(0, 0, 0), &err), &err, "muscle 0, need 1..3");
+    assert_message(sn_scene_set_point(s, 0, 0, 3, sn_v3(0, 0, 0), &err), &err,
                    "muscle 'flexor': point 4, need 1..3");
-    assert_message(sn_scene_set_point(s, 0, -1, sn_v3(0, 0, 0), &err), &err,
+    assert_message(sn_scene_set_point(s, 0, 0, -1, sn_v3(0, 0, 0), &err), &err,
                    "muscle 'flexor': point 0, need 1..3");
-    assert_message(sn_scene_set_point(s, 0, 0, sn_v3((double)NAN, 0, 0), &err), &err, "'flexor'");
-    assert_message(sn_scene_set_point(s, 0, 0, sn_v3(0, 0, 0.6), &err), &err,
+    assert_message(sn_scene_set_point(s, 0, 0, 0, sn_v3((double)NAN, 0, 0), &err), &err, "'flexor'");
+    assert_message(sn_scene_set_point(s, 0, 0, 0, sn_v3(0, 0, 0.6), &err), &err,
                    "'flexor'"); /* on its neighbour */
-    assert_message(sn_scene_insert_point(s, 0, 4, sn_v3(0, 0, 0), 1, &err), &err,
+    assert_message(sn_scene_insert_point(s, 0, 0, 4, sn_v3(0, 0, 0), 1, &err), &err,
                    "muscle 'flexor': point 5, need 1..4");
-    assert_message(sn_scene_insert_point(s, 0, 0, sn_v3(0, 0, 0), -1, &err), &err, "'flexor'");
-    assert_message(sn_scene_remove_point(s, 2, 0, &err), &err, "'abductor'"); /* two must stay */
-    assert_message(sn_scene_set_tissue(s, 0, 0, 0, &err), &err, "'flexor'");
-    assert_message(sn_scene_set_tissue(s, 0, 3, 1, &err), &err, "muscle 'flexor': point 4, need 1..3");
-    assert_message(sn_scene_set_tissue(s, 9, 0, 1, &err), &err, "muscle 10, need 1..3");
+    assert_message(sn_scene_insert_point(s, 0, 0, 0, sn_v3(0, 0, 0), -1, &err), &err, "'flexor'");
+    assert_message(sn_scene_remove_point(s, 2, 0, 0, &err), &err, "'abductor'"); /* two must stay */
+    assert_message(sn_scene_set_tissue(s, 0, 0, 0, 0, &err), &err, "'flexor'");
+    assert_message(sn_scene_set_tissue(s, 0, 0, 3, 1, &err), &err, "muscle 'flexor': point 4, need 1..3");
+    assert_message(sn_scene_set_tissue(s, 9, 0, 0, 1, &err), &err, "muscle 10, need 1..3");
     assert_message(sn_scene_tetrahedralize(s, &(sn_body_options){.edge_length = -1}, NULL, NULL, &err), &err,
                    "edge");
     assert_int_equal(sn_scene_revision(s), revision);
@@ -441,7 +441,7 @@ static void curves_outside_are_noted_or_refused(void **state)
     solve(s);
     assert_int_equal(sn_scene_notes(s)->n_line, 1);
     assert_non_null(strstr(sn_scene_notes(s)->line[0], "muscle 'half': "));
-    assert_int_equal(sn_scene_set_tissue(s, 3, 0, 2, NULL), SN_OK); /* said once is enough */
+    assert_int_equal(sn_scene_set_tissue(s, 3, 0, 0, 2, NULL), SN_OK); /* said once is enough */
     solve(s);
     assert_int_equal(sn_scene_notes(s)->n_line, 1);
     sn_scene_clear_notes(s);
@@ -693,8 +693,8 @@ static sn_status build_and_edit(sn_error *err)
     if (!st) st = sn_scene_add_bone(s, "lower", &lower, err);
     if (!st) st = sn_scene_add_muscle(s, "flexor", front, NULL, 3, err);
     if (!st) st = sn_scene_add_muscle(s, "extensor", back, NULL, 3, err);
-    if (!st) st = sn_scene_insert_point(s, 0, 3, sn_v3(0, 1.2, 0.5), 1, err);
-    if (!st) st = sn_scene_set_point(s, 1, 0, sn_v3(0, -1.1, -0.5), err);
+    if (!st) st = sn_scene_insert_point(s, 0, 0, 3, sn_v3(0, 1.2, 0.5), 1, err);
+    if (!st) st = sn_scene_set_point(s, 1, 0, 0, sn_v3(0, -1.1, -0.5), err);
     if (!st) st = sn_scene_find_bone(s, "lower", &i, err);
     if (!st) st = sn_scene_remove_bone(s, "upper", err);
     if (!st) st = sn_scene_remove_muscle(s, "flexor", err);
