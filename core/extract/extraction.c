@@ -13,8 +13,17 @@ void sn_extraction_init(sn_extraction *x)
     memset(x, 0, sizeof *x);
 }
 
+static void free_muscles(sn_extraction *x)
+{
+    for (int32_t i = 0; i < x->n_muscle; i++) sn_muscle_free(&x->muscle[i]);
+    sn_release(x->muscle);
+    x->muscle = NULL;
+    x->n_muscle = 0;
+}
+
 void sn_extraction_free(sn_extraction *x)
 {
+    free_muscles(x);
     sn_tet_mesh_free(&x->mesh);
     sn_release(x->source);
     sn_release(x->envelope);
@@ -88,6 +97,23 @@ sn_status sn_extract(const sn_tet_mesh *m, const double *value, const char *cons
     xt_grid_free(&grid);
     if (st) sn_extraction_free(out);
     return st;
+}
+
+sn_status sn_extraction_set_muscles(sn_extraction *x, const sn_muscle *const *muscle, int32_t n_muscle,
+                                    sn_error *err)
+{
+    sn_extraction copy = {.muscle = SN_NEW_ZERO(sn_muscle, n_muscle), .n_muscle = n_muscle};
+    if (!copy.muscle) return sn_fail(err, SN_ENOMEM, "extract: no memory for %d muscles", n_muscle);
+    for (int32_t i = 0; i < n_muscle; i++) {
+        sn_status st = sn_muscle_copy(&copy.muscle[i], muscle[i], err);
+        if (!st) continue;
+        free_muscles(&copy);
+        return st;
+    }
+    free_muscles(x);
+    x->muscle = copy.muscle;
+    x->n_muscle = copy.n_muscle;
+    return SN_OK;
 }
 
 int32_t sn_extraction_find(const sn_extraction *x, const char *name)

@@ -11,6 +11,7 @@
 #include "base/run.h"
 #include "mesh/tet_io.h"
 #include "mesh/tet_mesh.h"
+#include "muscle/muscle.h"
 
 #include <stdbool.h>
 
@@ -22,6 +23,8 @@ typedef struct sn_extraction { /* open */
     double *envelope;          /* n_vert: the largest tissue function's value there; owned                */
     char **name;               /* n_tissue; owned                                                         */
     int32_t n_tissue;
+    sn_muscle *muscle;   /* n_muscle: what is known of tissues 1, 2, ...; owned                      */
+    int32_t n_muscle;    /* 0: nothing                                                               */
     double input_volume; /* of the input tets                                                       */
     int64_t n_moved;     /* corners kept away from the ends of their edge, the border of their face or tet  */
     double largest_move; /* of those, in input units                                                */
@@ -58,6 +61,11 @@ typedef struct sn_extraction_check {
 SN_MUST_USE sn_status sn_extraction_check_run(sn_extraction_check *out, const sn_extraction *x,
                                               const sn_tet_mesh *input, const sn_run *run, sn_error *err);
 
+/* Says which muscles tissues 1 .. n_muscle are: their curves and wishes lead fibers and tendons. Copies. On
+ * error x is unchanged. Errors: SN_ENOMEM. */
+SN_MUST_USE sn_status sn_extraction_set_muscles(sn_extraction *x, const sn_muscle *const *muscle,
+                                                int32_t n_muscle, sn_error *err);
+
 int32_t sn_extraction_find(const sn_extraction *x, const char *name); /* tissue id, or -1 */
 /* One tissue alone: its tets (part = tissue id) with the vertices they use, in order. Empty tissue: 0 tets,
  * SN_OK. */
@@ -65,9 +73,19 @@ SN_MUST_USE sn_status sn_extraction_part(const sn_extraction *x, int32_t tissue,
                                          sn_error *err);
 double sn_extraction_part_volume(const sn_extraction *x, int32_t tissue);
 int32_t sn_extraction_part_tets(const sn_extraction *x, int32_t tissue);
-/* Writes by extension: .vtu .mesh .msh (all tissues, ids and names; .vtu also the field "envelope" per
- * vertex); a path without an extension is a folder (made when missing) that receives NAME.obj, the surface of
- * each muscle (not fat, not empty ones). Errors: SN_EIO, SN_EINVAL, SN_ENOMEM. */
-SN_MUST_USE sn_status sn_extraction_save(const sn_extraction *x, const char *path, sn_error *err);
+/* Writes by extension.
+ *   .vtu          all tissues with ids and names, the field "envelope" per vertex; with muscles known and
+ * input given also "fiber" (unit vectors) and "tendon" (1 or 0) per tet .msh          the same as far as Gmsh
+ * has places for it .mesh         ids and names; tendon has ids of its own after the last tissue, named
+ * "NAME:tendon" no extension  a folder (made when missing) that receives NAME.obj, the surface of each muscle
+ * (not fat, not empty ones) input: the tets that x was cut from, or NULL. Errors: SN_EIO, SN_EINVAL,
+ * SN_ENOMEM, SN_ECANCEL. */
+SN_MUST_USE sn_status sn_extraction_save(const sn_extraction *x, const sn_tet_mesh *input, const char *path,
+                                         const sn_run *run, sn_error *err);
+/* One tissue alone: .vtu .msh .mesh its tets as above, with all names; .obj .ply .stl .off its surface.
+ * SN_EINVAL: it is empty. */
+SN_MUST_USE sn_status sn_extraction_save_part(const sn_extraction *x, const sn_tet_mesh *input,
+                                              int32_t tissue, const char *path, const sn_run *run,
+                                              sn_error *err);
 
 #endif

@@ -87,7 +87,6 @@ static void set_up(cholmod_common *c)
     c->print = 0;
     c->supernodal = CHOLMOD_SUPERNODAL;
     c->nmethods = 1;
-    c->method[0].ordering = CHOLMOD_METIS;
     c->postorder = 1;
 }
 
@@ -123,7 +122,6 @@ static sn_status analyse(sn_cholesky *c, cholmod_sparse *s, const int32_t *rank,
     if (rank) {
         order = order_by(rank, c->n);
         if (!order) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", c->n);
-        c->common.method[0].ordering = CHOLMOD_GIVEN;
     }
     int levels = use_one_thread();
     c->symbolic = cholmod_l_analyze_p(s, order, NULL, 0, &c->common);
@@ -133,14 +131,15 @@ static sn_status analyse(sn_cholesky *c, cholmod_sparse *s, const int32_t *rank,
     return c->factor && c->common.status >= 0 ? SN_OK : fail_by_status(&c->common, "analysis", err);
 }
 
-sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
-                             const int32_t *rank, const sn_run *run, sn_error *err)
+static sn_status create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n, int ordering,
+                        const int32_t *rank, const sn_run *run, sn_error *err)
 {
     *out = NULL;
     if (n < 1) return sn_fail(err, SN_EINVAL, "cholesky: the matrix has no rows");
     sn_cholesky *c = SN_NEW_ZERO(sn_cholesky, 1);
     if (!c) return sn_fail(err, SN_ENOMEM, "cholesky: no memory");
     set_up(&c->common);
+    c->common.method[0].ordering = ordering;
     c->n = n;
     c->n_row = a->n;
     c->number = SN_NEW(int32_t, a->n);
@@ -160,6 +159,18 @@ sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *
     else
         *out = c;
     return st;
+}
+
+sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
+                             const int32_t *rank, const sn_run *run, sn_error *err)
+{
+    return create(out, a, number, n, rank ? CHOLMOD_GIVEN : CHOLMOD_METIS, rank, run, err);
+}
+
+sn_status sn_cholesky_create_small(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
+                                   const sn_run *run, sn_error *err)
+{
+    return create(out, a, number, n, CHOLMOD_AMD, NULL, run, err);
 }
 
 sn_status sn_cholesky_clone(sn_cholesky **out, const sn_cholesky *from, sn_error *err)

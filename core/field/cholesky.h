@@ -15,6 +15,10 @@ typedef struct sn_cholesky sn_cholesky; /* opaque: one thread at a time */
  * SN_ESOLVE. */
 SN_MUST_USE sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
                                          const int32_t *rank, const sn_run *run, sn_error *err);
+/* The same for systems of up to some ten thousand unknowns that are solved once: an order by minimum degree,
+ * found sooner than METIS's, and by many threads at a time (METIS draws from one random stream). */
+SN_MUST_USE sn_status sn_cholesky_create_small(sn_cholesky **out, const sn_csr *a, const int32_t *number,
+                                               int32_t n, const sn_run *run, sn_error *err);
 /* Another matrix of the same pattern, without a factor yet: shares the ordering, costs no analysis. c may go
  * first. For use by another thread than c's, make it first. Errors: SN_ENOMEM. */
 SN_MUST_USE sn_status sn_cholesky_clone(sn_cholesky **out, const sn_cholesky *c, sn_error *err);

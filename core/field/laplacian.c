@@ -177,8 +177,9 @@ static void mean_tensor(const double *tensor, const int32_t *corner, double a[6]
         for (int i = 0; i < 6; i++) a[i] += 0.25 * tensor[6 * (size_t)corner[k] + (size_t)i];
 }
 
-/* Tet by tet. tensor: NULL for the identity. */
-static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const double *tensor)
+/* Tet by tet. tensor: NULL for the identity; share: NULL for 1. */
+static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const double *tensor,
+                 const double *share)
 {
     double size = sn_box3_diagonal(sn_tet_mesh_bounds(m)), mean[6];
     memset(a->val, 0, (size_t)a->ptr[a->n] * sizeof *a->val);
@@ -188,6 +189,7 @@ static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const do
         sn_vec3 g[4];
         double weight = sn_tet_gradients(m, t, g) / size; /* volume / size^3 * grad * size . grad * size */
         if (tensor) mean_tensor(tensor, v, mean);
+        if (share) weight *= share[t];
         for (int i = 0; i < 4; i++) {
             double *row = a->val + a->ptr[v[i]];
             sn_vec3 flow = sn_v3_scale(weight, tensor ? apply_tensor(mean, g[i]) : g[i]);
@@ -206,7 +208,7 @@ sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_me
     if (!st) st = find_around(&around, m, err);
     if (!st) st = build_pattern(out, m, &around, run, err);
     if (!st) st = build_slots(assembly, out, m, run, err);
-    if (!st) fill(out, assembly, m, NULL);
+    if (!st) fill(out, assembly, m, NULL, NULL);
     vertex_tets_free(&around);
     if (st) {
         sn_csr_free(out);
@@ -218,5 +220,11 @@ sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_me
 void sn_laplacian_set_anisotropic(sn_csr *out, const sn_assembly *assembly, const sn_tet_mesh *m,
                                   const double *tensor)
 {
-    fill(out, assembly, m, tensor);
+    fill(out, assembly, m, tensor, NULL);
+}
+
+void sn_laplacian_set_weighted(sn_csr *out, const sn_assembly *assembly, const sn_tet_mesh *m,
+                               const double *weight)
+{
+    fill(out, assembly, m, NULL, weight);
 }

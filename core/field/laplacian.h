@@ -43,4 +43,9 @@ SN_MUST_USE sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, con
 void sn_laplacian_set_anisotropic(sn_csr *out, const sn_assembly *assembly, const sn_tet_mesh *m,
                                   const double *tensor);
 
+/* The same of a part of the domain: each tet counts by its weight >= 0, the share of it that lies in the
+ * part. Linear elements on the cut domain: its own boundary is natural. */
+void sn_laplacian_set_weighted(sn_csr *out, const sn_assembly *assembly, const sn_tet_mesh *m,
+                               const double *weight);
+
 #endif

@@ -64,28 +64,32 @@ static void lead_over(const sn_measure *m, const int32_t *v, int32_t j, double s
     for (int k = 0; k < 4; k++) g[k] = scale * m->own[v[k]] - f[v[k]];
 }
 
-static bool loses_everywhere(const double g[4])
-{
-    return g[0] <= 0.0 && g[1] <= 0.0 && g[2] <= 0.0 && g[3] <= 0.0;
-}
-
-static bool wins_everywhere(const double g[4])
-{
-    return g[0] >= 0.0 && g[1] >= 0.0 && g[2] >= 0.0 && g[3] >= 0.0;
-}
-
 typedef enum outcome { NONE, ALL, SOME } outcome;
+
+/* Against a rival with these leads at n corners. Equal functions: the lower tissue has it all, as in the
+ * segmentation. */
+static outcome against(const double *g, int n, bool has_ties)
+{
+    bool above = false, below = false;
+    for (int k = 0; k < n; k++) {
+        above = above || g[k] > 0.0;
+        below = below || g[k] < 0.0;
+    }
+    if (!below) return above || has_ties ? ALL : NONE;
+    return above ? SOME : NONE;
+}
 
 /* The cheap answer from the best rivals at the corners: for most tets it is the whole one. */
 static outcome glance(const sn_measure *m, const int32_t *v, double scale)
 {
     double lead[4], g[4];
     for (int k = 0; k < 4; k++) lead[k] = scale * m->own[v[k]] - m->best[v[k]];
-    if (wins_everywhere(lead)) return ALL; /* the best of linear functions lies below its interpolant */
+    if (against(lead, 4, false) == ALL) return ALL; /* their best lies below its interpolant */
     for (int k = 0; k < 4; k++) {
-        if (m->rival[v[k]] < 0 || (k > 0 && m->rival[v[k]] == m->rival[v[k - 1]])) continue;
-        lead_over(m, v, m->rival[v[k]], scale, g);
-        if (loses_everywhere(g)) return NONE;
+        int32_t j = m->rival[v[k]];
+        if (j < 0 || (k > 0 && j == m->rival[v[k - 1]])) continue;
+        lead_over(m, v, j, scale, g);
+        if (against(g, 4, m->tissue < j) == NONE) return NONE;
     }
     return SOME;
 }
@@ -156,29 +160,78 @@ static void at_piece(const piece *p, const double g[4], double at[4])
         at[k] = g[0] * p->at[k][0] + g[1] * p->at[k][1] + g[2] * p->at[k][2] + g[3] * p->at[k][3];
 }
 
-/* The share of the tet in piece p where the tissue leads over the rivals from j on. */
-static double share_from(const sn_measure *m, const int32_t *v, double scale, const piece *p, int32_t j)
+static outcome in_piece(const sn_measure *m, const int32_t *v, double scale, const piece *p, int32_t j,
+                        double at[4])
 {
-    for (; j < m->n_tissue; j++) {
-        double g[4], at[4], sum = 0.0;
+    double g[4];
+    lead_over(m, v, j, scale, g);
+    at_piece(p, g, at);
+    return against(at, 4, m->tissue < j);
+}
+
+/* The share of the tet in piece p where the tissue leads over these rivals. */
+static double clipped_share(const sn_measure *m, const int32_t *v, double scale, const piece *p,
+                            const int32_t *rival, int n_rival)
+{
+    for (; n_rival > 0; rival++, n_rival--) {
+        double at[4], sum = 0.0;
         piece part[3];
-        if (j == m->tissue) continue;
-        lead_over(m, v, j, scale, g);
-        at_piece(p, g, at);
-        if (wins_everywhere(at)) continue;
-        if (loses_everywhere(at)) return 0.0;
+        outcome o = in_piece(m, v, scale, p, *rival, at);
+        if (o == ALL) continue;
+        if (o == NONE) return 0.0;
         int n = clip_piece(p, at, part);
-        for (int i = 0; i < n; i++) sum += share_from(m, v, scale, &part[i], j + 1);
+        for (int i = 0; i < n; i++) sum += clipped_share(m, v, scale, &part[i], rival + 1, n_rival - 1);
         return sum;
     }
     return piece_share(p);
+}
+
+/* The ends of the longest edge of n points in barycentric coordinates. */
+static void longest_edge(const double at[][4], int n, int *from, int *to)
+{
+    double longest = -1.0;
+    for (int a = 0; a < n; a++)
+        for (int b = a + 1; b < n; b++) {
+            double length = 0.0;
+            for (int c = 0; c < 4; c++) length += (at[a][c] - at[b][c]) * (at[a][c] - at[b][c]);
+            if (length <= longest) continue;
+            longest = length;
+            *from = a;
+            *to = b;
+        }
+}
+
+/* Rivals that cut one piece one after another multiply its parts, so a piece with many is halved until each
+ * half has few; what is left undecided after max_halvings is below 2^-45 of the tet. */
+enum { max_rivals = 12, max_halvings = 45 };
+
+static double share_in(const sn_measure *m, const int32_t *v, double scale, const piece *p, int n_halving)
+{
+    int32_t rival[max_rivals];
+    int n = 0, a = 0, b = 1;
+    bool too_many = false;
+    for (int32_t j = 0; j < m->n_tissue; j++) {
+        double at[4];
+        if (j == m->tissue) continue;
+        outcome o = in_piece(m, v, scale, p, j, at);
+        if (o == NONE) return 0.0;
+        if (o == SOME && n == max_rivals)
+            too_many = true;
+        else if (o == SOME)
+            rival[n++] = j;
+    }
+    if (!too_many || n_halving == max_halvings) return clipped_share(m, v, scale, p, rival, n);
+    piece half[2] = {*p, *p};
+    longest_edge(p->at, 4, &a, &b);
+    for (int c = 0; c < 4; c++) half[0].at[a][c] = half[1].at[b][c] = 0.5 * (p->at[a][c] + p->at[b][c]);
+    return share_in(m, v, scale, &half[0], n_halving + 1) + share_in(m, v, scale, &half[1], n_halving + 1);
 }
 
 double sn_measure_tet_share(const sn_measure *m, int32_t i_tet, double scale)
 {
     const int32_t *v = m->mesh->tet + 4 * (size_t)i_tet;
     outcome o = glance(m, v, scale);
-    return o == ALL ? 1.0 : o == NONE ? 0.0 : share_from(m, v, scale, &whole_tet, 0);
+    return o == ALL ? 1.0 : o == NONE ? 0.0 : share_in(m, v, scale, &whole_tet, 0);
 }
 
 /* ---- all tets ---- */
@@ -188,7 +241,7 @@ static double largest_share(const sn_measure *m, int32_t i_tet)
     double g[4], sum = 0.0;
     piece part[3];
     for (int k = 0; k < 4; k++) g[k] = m->own[m->mesh->tet[4 * (size_t)i_tet + (size_t)k]];
-    if (loses_everywhere(g)) return 0.0;
+    if (against(g, 4, false) == NONE) return 0.0;
     int n = clip_piece(&whole_tet, g, part);
     for (int i = 0; i < n; i++) sum += piece_share(&part[i]);
     return sum;
@@ -225,50 +278,85 @@ double sn_measure_largest(const sn_measure *m, const sn_run *run)
 
 /* ---- faces ---- */
 
-enum { max_polygon = 256 }; /* corners; each rival that cuts it adds at most one */
+enum { max_polygon = 3 + 2 * max_rivals }; /* corners; each rival that cuts it adds at most one */
 typedef struct polygon {
-    sn_vec3 at[max_polygon]; /* barycentric in the face */
+    double at[max_polygon][4]; /* barycentric in the tet */
     int n;
 } polygon;
 
-static void clip_polygon(polygon *p, sn_vec3 g)
+static double value_at(const double g[4], const double at[4])
+{
+    return g[0] * at[0] + g[1] * at[1] + g[2] * at[2] + g[3] * at[3];
+}
+
+static void clip_polygon(polygon *p, const double g[4])
 {
     polygon out = {.n = 0};
     for (int k = 0; k < p->n; k++) {
-        sn_vec3 a = p->at[k], b = p->at[(k + 1) % p->n];
-        double ga = sn_v3_dot(g, a), gb = sn_v3_dot(g, b);
-        if (ga >= 0.0 && out.n < max_polygon) out.at[out.n++] = a;
-        if ((ga >= 0.0) != (gb >= 0.0) && out.n < max_polygon)
-            out.at[out.n++] = sn_v3_lerp(a, b, ga / (ga - gb));
+        const double *a = p->at[k], *b = p->at[(k + 1) % p->n];
+        double ga = value_at(g, a), gb = value_at(g, b);
+        if (ga >= 0.0 && out.n < max_polygon) memcpy(out.at[out.n++], a, sizeof out.at[0]);
+        if ((ga >= 0.0) != (gb >= 0.0) && out.n < max_polygon) crossing(a, b, ga, gb, out.at[out.n++]);
     }
     *p = out;
+}
+
+typedef struct face_part { /* what is won of a face so far */
+    double area;
+    sn_vec3 moment; /* area times centroid */
+} face_part;
+
+static void add_polygon(const sn_tet_mesh *m, const int32_t *v, const polygon *p, face_part *sum)
+{
+    sn_vec3 q[max_polygon];
+    for (int i = 0; i < p->n; i++) {
+        q[i] = sn_v3(0, 0, 0);
+        for (int c = 0; c < 4; c++) q[i] = sn_v3_mad(q[i], p->at[i][c], sn_tet_mesh_point(m, v[c]));
+    }
+    for (int i = 1; i + 1 < p->n; i++) { /* a fan */
+        double area = 0.5 * sn_v3_len(sn_v3_cross(sn_v3_sub(q[i], q[0]), sn_v3_sub(q[i + 1], q[0])));
+        sum->area += area;
+        sum->moment = sn_v3_mad(sum->moment, area / 3.0, sn_v3_add(sn_v3_add(q[0], q[i]), q[i + 1]));
+    }
+}
+
+/* A triangle of a face, halved as pieces of tets are. */
+static void add_triangle(const sn_measure *m, const int32_t *v, double scale, const double corner[3][4],
+                         int n_halving, face_part *sum)
+{
+    polygon p = {.n = 3};
+    int n = 0, a = 0, b = 1;
+    memcpy(p.at, corner, 3 * sizeof *corner);
+    for (int32_t j = 0; j < m->n_tissue && p.n > 0; j++) {
+        double g[4], at[3];
+        if (j == m->tissue) continue;
+        lead_over(m, v, j, scale, g);
+        for (int k = 0; k < 3; k++) at[k] = value_at(g, corner[k]);
+        outcome o = against(at, 3, m->tissue < j);
+        if (o == NONE) return;
+        if (o == SOME && n++ < 2 * max_rivals) clip_polygon(&p, g);
+    }
+    if (n <= 2 * max_rivals || p.n == 0 || n_halving == max_halvings) {
+        add_polygon(m->mesh, v, &p, sum);
+        return;
+    }
+    double half[2][3][4];
+    for (int i = 0; i < 2; i++) memcpy(half[i], corner, sizeof half[i]);
+    longest_edge(corner, 3, &a, &b);
+    for (int c = 0; c < 4; c++) half[0][a][c] = half[1][b][c] = 0.5 * (corner[a][c] + corner[b][c]);
+    for (int i = 0; i < 2; i++) add_triangle(m, v, scale, (const double(*)[4])half[i], n_halving + 1, sum);
 }
 
 double sn_measure_face_area(const sn_measure *m, int32_t i_tet, int k, double scale, sn_vec3 *centroid)
 {
     const int32_t *v = m->mesh->tet + 4 * (size_t)i_tet;
-    const int *c = sn_tet_face[k];
-    polygon p = {.at = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .n = 3};
+    double corner[3][4];
+    face_part sum = {0};
     if (glance(m, v, scale) == NONE) return 0.0;
-    for (int32_t j = 0; j < m->n_tissue && p.n > 0; j++) {
-        double g[4];
-        if (j == m->tissue) continue;
-        lead_over(m, v, j, scale, g);
-        if (g[c[0]] >= 0.0 && g[c[1]] >= 0.0 && g[c[2]] >= 0.0) continue;
-        clip_polygon(&p, sn_v3(g[c[0]], g[c[1]], g[c[2]]));
-    }
-    sn_vec3 q[3], sum = {0};
-    for (int i = 0; i < 3; i++) q[i] = sn_tet_mesh_point(m->mesh, v[c[i]]);
-    double whole = 0.5 * sn_v3_len(sn_v3_cross(sn_v3_sub(q[1], q[0]), sn_v3_sub(q[2], q[0]))), share = 0.0;
-    for (int i = 1; i + 1 < p.n; i++) { /* a fan; the determinant is the triangle's share of the face */
-        double part = fabs(sn_v3_det(p.at[0], p.at[i], p.at[i + 1]));
-        sum = sn_v3_mad(sum, part / 3.0, sn_v3_add(sn_v3_add(p.at[0], p.at[i]), p.at[i + 1]));
-        share += part;
-    }
-    if (!(share > 0.0)) return 0.0;
-    sum = sn_v3_scale(1.0 / share, sum);
-    *centroid = sn_v3_mad(sn_v3_mad(sn_v3_scale(sum.x, q[0]), sum.y, q[1]), sum.z, q[2]);
-    return share * whole;
+    for (int i = 0; i < 3; i++) memcpy(corner[i], whole_tet.at[sn_tet_face[k][i]], sizeof corner[i]);
+    add_triangle(m, v, scale, (const double(*)[4])corner, 0, &sum);
+    if (sum.area > 0.0) *centroid = sn_v3_scale(1.0 / sum.area, sum.moment);
+    return sum.area;
 }
 
 /* ---- the scale for a volume ---- */

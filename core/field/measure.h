@@ -1,8 +1,9 @@
 /* measure.h - exact sizes of the regions in which a tissue wins: volumes in tets, areas on boundary faces.
  *
  * The fields are linear in a tet, so tissue i wins there in a convex polyhedron: the tet clipped by the
- * planes f_i = f_j. No extraction is needed. Exact up to rounding. Sums go over fixed runs of tets in a fixed
- * order: the same for any number of threads. */
+ * planes f_i = f_j. No extraction is needed. Exact up to rounding; where two functions are equal all over a
+ * tet or face the lower tissue has it. Sums go over fixed runs of tets in a fixed order: the same for any
+ * number of threads. */
 #ifndef SN_FIELD_MEASURE_H
 #define SN_FIELD_MEASURE_H
 

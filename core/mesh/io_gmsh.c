@@ -11,7 +11,7 @@ static void write_names(sn_out *o, const sn_tet_extras *x)
         sn_out_text(o, "\n3 "); /* the dimension */
         sn_out_int(o, (int64_t)i + 1);
         sn_out_text(o, " \"");
-        sn_out_text(o, sn_tet_part_name(x, i, room));
+        sn_out_text(o, sn_part_name(x->part_name, i, room));
         sn_out_text(o, "\"");
     }
     sn_out_text(o, "\n$EndPhysicalNames\n");
@@ -27,6 +27,26 @@ static void write_tet(sn_out *o, const sn_tet_mesh *m, int32_t t)
         sn_out_int(o, row[k]);
         sn_out_text(o, k < 8 ? " " : "\n");
     }
+}
+
+/* One text: the name; one number: the time; three whole numbers: the time step, the components, the rows. */
+static void write_field(sn_out *o, const sn_tet_mesh *m, const sn_tet_field *f)
+{
+    int32_t n_row = f->per_tet ? m->n_tet : m->n_vert;
+    sn_out_text(o, f->per_tet ? "$ElementData\n1\n\"" : "$NodeData\n1\n\"");
+    sn_out_text(o, f->name);
+    sn_out_text(o, "\"\n1\n0.0\n3\n0\n");
+    sn_out_int(o, f->n_comp);
+    sn_out_text(o, "\n");
+    sn_out_int(o, n_row);
+    sn_out_text(o, "\n");
+    for (int32_t i = 0; i < n_row; i++) {
+        sn_out_int(o, (int64_t)i + 1);
+        sn_out_text(o, " ");
+        sn_out_doubles(o, f->values + (size_t)i * (size_t)f->n_comp,
+                       f->n_comp); /* whole ones without a point */
+    }
+    sn_out_text(o, f->per_tet ? "$EndElementData\n" : "$EndNodeData\n");
 }
 
 sn_status sn_gmsh_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err)
@@ -47,5 +67,6 @@ sn_status sn_gmsh_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x,
     sn_out_text(o, "\n");
     for (int32_t t = 0; t < m->n_tet; t++) write_tet(o, m, t);
     sn_out_text(o, "$EndElements\n");
+    for (int32_t i = 0; i < x->n_field; i++) write_field(o, m, &x->field[i]);
     return SN_OK;
 }

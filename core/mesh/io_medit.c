@@ -126,7 +126,7 @@ static void write_names(sn_out *o, const sn_tet_extras *x)
         sn_out_text(o, "# tissue ");
         sn_out_int(o, (int64_t)i + 1);
         sn_out_text(o, " ");
-        sn_out_text(o, sn_tet_part_name(x, i, room));
+        sn_out_text(o, sn_part_name(x->part_name, i, room));
         sn_out_text(o, "\n");
     }
 }

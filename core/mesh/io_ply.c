@@ -6,13 +6,10 @@
 
 #include <string.h>
 
-typedef enum ply_type { I8, U8, I16, U16, I32, U32, F32, F64, NO_TYPE } ply_type;
-static const size_t type_size[] = {1, 1, 2, 2, 4, 4, 4, 8};
-
 typedef enum ply_role { PASSED_OVER, COORD_X, COORD_Y, COORD_Z, CORNERS } ply_role;
 
 typedef struct ply_property {
-    ply_type type, count_type; /* count_type: NO_TYPE unless a list */
+    sn_number_type type, count_type; /* count_type: SN_NO_NUMBER unless a list */
     ply_role role;
 } ply_property;
 
@@ -32,24 +29,27 @@ typedef struct ply {
     bool is_text, is_big; /* is_big: most significant byte first */
 } ply;
 
-static ply_type find_type(sn_word w)
+static sn_number_type find_type(sn_word w)
 {
-    static const char *const names[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
-                                           {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
-                                           {"float", "float32"}, {"double", "float64"}};
-    for (int t = 0; t < NO_TYPE; t++)
-        if (sn_word_is(w, names[t][0]) || sn_word_is(w, names[t][1])) return (ply_type)t;
-    return NO_TYPE;
+    static const struct {
+        const char *name, *other;
+        sn_number_type type;
+    } known[] = {{"char", "int8", SN_I8},      {"uchar", "uint8", SN_U8},    {"short", "int16", SN_I16},
+                 {"ushort", "uint16", SN_U16}, {"int", "int32", SN_I32},     {"uint", "uint32", SN_U32},
+                 {"float", "float32", SN_F32}, {"double", "float64", SN_F64}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (sn_word_is(w, known[i].name) || sn_word_is(w, known[i].other)) return known[i].type;
+    return SN_NO_NUMBER;
 }
 
 /* ---- Header ---- */
 
-static sn_status read_type(ply *r, ply_type *type, sn_error *err)
+static sn_status read_type(ply *r, sn_number_type *type, sn_error *err)
 {
     sn_scan_blanks(r->s);
     sn_scan word = *r->s;
     *type = find_type(sn_scan_word(r->s));
-    return *type == NO_TYPE
+    return *type == SN_NO_NUMBER
                ? sn_scan_want(&word, "a type (char uchar short ushort int uint float double)", err)
                : SN_OK;
 }
@@ -66,7 +66,7 @@ static ply_role find_role(const ply_element *e, sn_word name, bool is_list)
 static sn_status read_property(ply *r, sn_error *err)
 {
     if (r->n_elem == 0) return sn_scan_fail(r->s, err, "a property before the first element");
-    ply_property p = {NO_TYPE, NO_TYPE, PASSED_OVER};
+    ply_property p = {SN_NO_NUMBER, SN_NO_NUMBER, PASSED_OVER};
     sn_scan ahead = *r->s;
     sn_status st = SN_OK;
     if (sn_word_is(sn_scan_word(&ahead), "list")) {
@@ -80,7 +80,7 @@ static sn_status read_property(ply *r, sn_error *err)
     sn_scan word = *r->s;
     sn_word name = sn_scan_word(r->s);
     if (name.n == 0) return sn_scan_want(&word, "the property's name", err);
-    p.role = find_role(e, name, p.count_type != NO_TYPE);
+    p.role = find_role(e, name, p.count_type != SN_NO_NUMBER);
     for (size_t i = e->first; i < r->n_prop && p.role != PASSED_OVER; i++)
         if (r->prop[i].role == p.role)
             return sn_scan_fail(&word, err, "property '%.*s' twice", (int)name.n, name.s);
@@ -190,52 +190,26 @@ static sn_status read_header(ply *r, sn_error *err)
 
 /* ---- Rows ---- */
 
-static double decode(const char *p, ply_type type, bool is_big)
-{
-    uint64_t u = 0;
-    size_t n = type_size[type];
-    for (size_t k = 0; k < n; k++) u |= (uint64_t)(unsigned char)p[is_big ? n - 1 - k : k] << 8 * k;
-    float f;
-    double d;
-    uint32_t low = (uint32_t)u;
-    switch (type) {
-    case I8:
-        return (double)(int8_t)u;
-    case I16:
-        return (double)(int16_t)u;
-    case I32:
-        return (double)(int32_t)u;
-    case F32:
-        memcpy(&f, &low, sizeof f);
-        return (double)f;
-    case F64:
-        memcpy(&d, &u, sizeof d);
-        return d;
-    default:
-        return (double)u;
-    }
-}
-
 /* The next value, of either form. In a text file `what` is what the message asks for. */
-static sn_status next_value(ply *r, ply_type type, double *v, const char *what, sn_error *err)
+static sn_status next_value(ply *r, sn_number_type type, double *v, const char *what, sn_error *err)
 {
     if (r->is_text) return sn_scan_number(r->s, v, what, err);
-    if (sn_scan_left(r->s) < type_size[type])
+    if (sn_scan_left(r->s) < sn_number_size(type))
         return sn_fail(err, SN_EFORMAT, "%s: truncated at byte %zu: need %s", r->s->path, sn_scan_at(r->s),
                        what);
-    *v = decode(r->s->p, type, r->is_big);
-    r->s->p += type_size[type];
+    *v = sn_number_decode(r->s->p, type, r->is_big);
+    r->s->p += sn_number_size(type);
     return SN_OK;
 }
 
 /* Steps over n values that nobody needs; in a text file they may be any words. */
-static sn_status skip_values(ply *r, ply_type type, int64_t n, sn_error *err)
+static sn_status skip_values(ply *r, sn_number_type type, int64_t n, sn_error *err)
 {
     if (!r->is_text) {
-        if (sn_scan_left(r->s) / type_size[type] < (uint64_t)n)
+        if (sn_scan_left(r->s) / sn_number_size(type) < (uint64_t)n)
             return sn_fail(err, SN_EFORMAT, "%s: truncated at byte %zu: need %lld values of %zu bytes",
-                           r->s->path, sn_scan_at(r->s), (long long)n, type_size[type]);
-        r->s->p += (size_t)n * type_size[type];
+                           r->s->path, sn_scan_at(r->s), (long long)n, sn_number_size(type));
+        r->s->p += (size_t)n * sn_number_size(type);
         return SN_OK;
     }
     for (int64_t i = 0; i < n; i++)
@@ -254,7 +228,7 @@ static sn_status value_fail(ply *r, size_t at, double v, const char *what, sn_er
     return sn_scan_want(&word, what, err);
 }
 
-static sn_status next_whole(ply *r, ply_type type, int64_t *n, const char *what, sn_error *err)
+static sn_status next_whole(ply *r, sn_number_type type, int64_t *n, const char *what, sn_error *err)
 {
     double v = 0.0;
     size_t at = sn_scan_at(r->s);
@@ -265,7 +239,8 @@ static sn_status next_whole(ply *r, ply_type type, int64_t *n, const char *what,
     return SN_OK;
 }
 
-static sn_status next_count(ply *r, ply_type type, int64_t min, int64_t *n, const char *what, sn_error *err)
+static sn_status next_count(ply *r, sn_number_type type, int64_t min, int64_t *n, const char *what,
+                            sn_error *err)
 {
     size_t at = sn_scan_at(r->s);
     sn_status st = next_whole(r, type, n, what, err);
@@ -305,7 +280,7 @@ static sn_status read_row(ply *r, const ply_element *e, sn_error *err)
         } else if (p->role != PASSED_OVER) {
             st = read_coord(r, p, point, err);
         } else {
-            if (p->count_type != NO_TYPE)
+            if (p->count_type != SN_NO_NUMBER)
                 st = next_count(r, p->count_type, 0, &n, "the length of a list", err);
             if (!st) st = skip_values(r, p->type, n, err);
         }

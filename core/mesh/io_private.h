@@ -1,9 +1,10 @@
 /* io_private.h - what the mesh readers and writers share: a scanner over a file in memory, a mesh that grows,
- * and the list of formats. For surface_io.c, tet_io.c and io_*.c only. */
+ * and the list of formats. For surface_io.c, tet_io.c, polylines.c and io_*.c only. */
 #ifndef SN_MESH_IO_PRIVATE_H
 #define SN_MESH_IO_PRIVATE_H
 
 #include "base/file.h"
+#include "mesh/polylines.h"
 #include "mesh/tet_io.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/tri_mesh.h"
@@ -54,6 +55,24 @@ SN_MUST_USE sn_status sn_scan_point(sn_scan *s, double p[3], sn_error *err); /* 
 sn_status sn_scan_want(const sn_scan *s, const char *what, sn_error *err);
 /* SN_EFORMAT "path:line: ..." with the line of *p. */
 sn_status sn_scan_fail(const sn_scan *s, sn_error *err, const char *fmt, ...) SN_PRINTF(3, 4);
+/* Numbers of a binary file. */
+typedef enum sn_number_type {
+    SN_I8,
+    SN_U8,
+    SN_I16,
+    SN_U16,
+    SN_I32,
+    SN_U32,
+    SN_I64,
+    SN_U64,
+    SN_F32,
+    SN_F64,
+    SN_NO_NUMBER
+} sn_number_type;
+size_t sn_number_size(sn_number_type type); /* bytes; not for SN_NO_NUMBER */
+/* The number at p, of either byte order. 64-bit integers beyond 2^53 are rounded. */
+double sn_number_decode(const void *p, sn_number_type type, bool is_big);
+
 /* Offsets into the file and back. */
 static inline size_t sn_scan_at(const sn_scan *s)
 {
@@ -114,6 +133,8 @@ void sn_obj_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
 void sn_ply_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
 void sn_stl_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
 void sn_off_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
+SN_MUST_USE sn_status sn_vtp_write(sn_out *o, const sn_polylines *p, const char *const *part_name,
+                                   int32_t n_part, sn_error *err);
 
 SN_MUST_USE sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err);
 SN_MUST_USE sn_status sn_medit_read(sn_builder *b, sn_scan *s, sn_error *err);
@@ -122,9 +143,35 @@ SN_MUST_USE sn_status sn_tetgen_read(sn_builder *b, sn_scan *s, sn_error *err);
 SN_MUST_USE sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err);
 SN_MUST_USE sn_status sn_medit_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err);
 SN_MUST_USE sn_status sn_gmsh_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err);
-/* The name of a part: the one given, or "part<i>", made in `room`. */
-const char *sn_tet_part_name(const sn_tet_extras *x, int32_t i_part, char room[24]);
+/* The name of a part: the one given, or (part_name NULL) "part<i>", made in `room`. */
+const char *sn_part_name(const char *const *part_name, int32_t i_part, char room[24]);
+/* Can it stand in quotes or on a line of its own: neither empty nor with quotes and control characters. */
+bool sn_name_is_plain(const char *name);
 /* Writes a line of numbers with blanks between them. */
 void sn_out_doubles(sn_out *o, const double *v, int n);
+
+/* ---- VTK XML, written: .vtu and .vtp. Arrays are inline, base64 or text. ---- */
+
+typedef struct sn_vtk_out {
+    sn_out *o; /* borrowed */
+    bool ascii;
+    unsigned char *buffer; /* the bytes of one array behind their length, which is 8 bytes long */
+    size_t cap, size;
+    bool is_short; /* of memory: told by sn_vtk_end */
+} sn_vtk_out;
+
+/* The head of a file of that type ("PolyData"), up to and with the opening tag of that name. */
+void sn_vtk_begin(sn_vtk_out *w, sn_out *o, const char *type, bool ascii);
+/* Closes both tags and releases what *w holds; call it in any case. Errors: SN_ENOMEM. */
+SN_MUST_USE sn_status sn_vtk_end(sn_vtk_out *w, const char *type, sn_error *err);
+/* The FieldData with the string array "tissue_names"; nothing when n_part = 0. */
+void sn_vtk_part_names(sn_vtk_out *w, const char *const *part_name, int32_t n_part);
+/* One array in one go: a row of n_comp numbers each. */
+void sn_vtk_doubles(sn_vtk_out *w, const char *name, const double *v, size_t n_row, int n_comp);
+void sn_vtk_i32(sn_vtk_out *w, const char *name, const int32_t *v, size_t n_row);
+/* One array number by number: open, put each, close. type: SN_U8, SN_I32 or SN_I64. */
+void sn_vtk_open(sn_vtk_out *w, sn_number_type type, const char *name, int n_comp);
+void sn_vtk_put(sn_vtk_out *w, sn_number_type type, int64_t v, bool ends_line);
+void sn_vtk_close(sn_vtk_out *w);
 
 #endif

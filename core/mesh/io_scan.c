@@ -237,3 +237,38 @@ sn_status sn_scan_want(const sn_scan *s, const char *what, sn_error *err)
     sn_word_show(found, sn_scan_word(&word));
     return sn_scan_fail(s, err, "need %s, found '%s'", what, found);
 }
+
+size_t sn_number_size(sn_number_type type)
+{
+    static const size_t size[SN_NO_NUMBER] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    return size[type];
+}
+
+double sn_number_decode(const void *p, sn_number_type type, bool is_big)
+{
+    const unsigned char *byte = p;
+    uint64_t u = 0;
+    size_t n = sn_number_size(type);
+    for (size_t k = 0; k < n; k++) u |= (uint64_t)byte[is_big ? n - 1 - k : k] << 8 * k;
+    float f;
+    double d;
+    uint32_t low = (uint32_t)u;
+    switch (type) {
+    case SN_I8:
+        return (double)(int8_t)u;
+    case SN_I16:
+        return (double)(int16_t)u;
+    case SN_I32:
+        return (double)(int32_t)u;
+    case SN_I64:
+        return (double)(int64_t)u;
+    case SN_F32:
+        memcpy(&f, &low, sizeof f);
+        return (double)f;
+    case SN_F64:
+        memcpy(&d, &u, sizeof d);
+        return d;
+    default:
+        return (double)u;
+    }
+}

@@ -7,19 +7,6 @@
 
 enum { VTK_TETRA = 10 };
 
-static bool host_is_big(void)
-{
-    const uint16_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    return first == 0;
-}
-
-typedef enum vtk_type { I8, U8, I16, U16, I32, U32, I64, U64, F32, F64, NO_TYPE } vtk_type;
-static const char *const type_name[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                        "UInt32", "Int64", "UInt64", "Float32", "Float64"};
-static const size_t type_size[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-
 /* ---- Reading ---- */
 
 typedef struct tag {
@@ -104,39 +91,13 @@ static sn_word attribute(const tag *t, const char *key)
     return (sn_word){t->attr, 0};
 }
 
-static vtk_type find_type(sn_word w)
+static sn_number_type find_type(sn_word w)
 {
-    for (int t = 0; t < NO_TYPE; t++)
-        if (sn_word_is(w, type_name[t])) return (vtk_type)t;
-    return NO_TYPE;
-}
-
-static double decode(const unsigned char *p, vtk_type type, bool is_big)
-{
-    uint64_t u = 0;
-    size_t n = type_size[type];
-    for (size_t k = 0; k < n; k++) u |= (uint64_t)p[is_big ? n - 1 - k : k] << 8 * k;
-    float f;
-    double d;
-    uint32_t low = (uint32_t)u;
-    switch (type) {
-    case I8:
-        return (double)(int8_t)u;
-    case I16:
-        return (double)(int16_t)u;
-    case I32:
-        return (double)(int32_t)u;
-    case I64:
-        return (double)(int64_t)u;
-    case F32:
-        memcpy(&f, &low, sizeof f);
-        return (double)f;
-    case F64:
-        memcpy(&d, &u, sizeof d);
-        return d;
-    default:
-        return (double)u;
-    }
+    static const char *const name[SN_NO_NUMBER] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
+                                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
+    for (int t = 0; t < SN_NO_NUMBER; t++)
+        if (sn_word_is(w, name[t])) return (sn_number_type)t;
+    return SN_NO_NUMBER;
 }
 
 static int base64_digit(char c)
@@ -172,24 +133,24 @@ static sn_status no_memory(const vtu *r, sn_error *err)
 }
 
 /* The text of the array is s->p to `end`. */
-static sn_status read_base64(vtu *r, const char *end, vtk_type type, values *out, sn_error *err)
+static sn_status read_base64(vtu *r, const char *end, sn_number_type type, values *out, sn_error *err)
 {
     sn_scan *s = r->s;
     size_t head = r->has_long_header ? 8 : 4;
     unsigned char *raw = SN_NEW(unsigned char, (size_t)(end - s->p) / 4 * 3 + 3);
     if (!raw) return no_memory(r, err);
     size_t n = decode_base64(s->p, end, raw);
-    double said = n >= head ? decode(raw, r->has_long_header ? U64 : U32, r->is_big) : 0.0;
+    double said = n >= head ? sn_number_decode(raw, r->has_long_header ? SN_U64 : SN_U32, r->is_big) : 0.0;
     sn_status st = SN_OK;
     if (n < head || said != (double)(n - head)) {
         st = sn_scan_fail(s, err, "the array is damaged: it promises %.0f bytes and has %zu", said,
                           n < head ? 0 : n - head);
     } else {
-        out->n = (n - head) / type_size[type];
+        out->n = (n - head) / sn_number_size(type);
         out->v = SN_NEW(double, out->n);
         if (!out->v) st = no_memory(r, err);
         for (size_t i = 0; i < out->n && !st; i++)
-            out->v[i] = decode(raw + head + i * type_size[type], type, r->is_big);
+            out->v[i] = sn_number_decode(raw + head + i * sn_number_size(type), type, r->is_big);
     }
     sn_release(raw);
     return st;
@@ -228,10 +189,10 @@ static sn_status read_array(vtu *r, const tag *t, sn_error *err)
     values *out = find_target(r, t);
     if (!out) return SN_OK;
     sn_word format = attribute(t, "format");
-    vtk_type type = find_type(attribute(t, "type"));
+    sn_number_type type = find_type(attribute(t, "type"));
     if (sn_word_is(format, "appended"))
         return sn_scan_fail(r->s, err, "appended data is not read: write it inline, as binary or ascii");
-    if (type == NO_TYPE) return sn_scan_fail(r->s, err, "an array needs a type, Int8 to Float64");
+    if (type == SN_NO_NUMBER) return sn_scan_fail(r->s, err, "an array needs a type, Int8 to Float64");
     sn_release(out->v);
     *out = (values){.is_there = true};
     const char *end = r->s->p < r->s->end ? memchr(r->s->p, '<', sn_scan_left(r->s)) : NULL;
@@ -367,138 +328,49 @@ sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err)
 
 /* ---- Writing ---- */
 
-typedef struct writer {
-    sn_out *o;
-    bool ascii;
-    unsigned char *buffer; /* the bytes of one array behind their length, which is 8 bytes long */
-    size_t cap, size;
-    bool is_short; /* of memory */
-} writer;
-
-static void open_array(writer *w, const char *type, const char *name, int n_comp, int64_t n_tuple)
+static void write_field(sn_vtk_out *w, const sn_tet_field *f, size_t n_row)
 {
-    sn_out_text(w->o, "<DataArray type=\"");
-    sn_out_text(w->o, type);
-    sn_out_text(w->o, "\" Name=\"");
-    for (const char *c = name; *c; c++) {
-        if (*c == '&' || *c == '<' || *c == '>')
-            sn_out_text(w->o, *c == '&' ? "&amp;" : *c == '<' ? "&lt;" : "&gt;");
-        else
-            sn_out_bytes(w->o, c, 1);
-    }
-    if (n_comp > 1) {
-        sn_out_text(w->o, "\" NumberOfComponents=\"");
-        sn_out_int(w->o, n_comp);
-    }
-    if (n_tuple >= 0) { /* field data, whose length nothing else tells */
-        sn_out_text(w->o, "\" NumberOfTuples=\"");
-        sn_out_int(w->o, n_tuple);
-    }
-    sn_out_text(w->o, w->ascii ? "\" format=\"ascii\">\n" : "\" format=\"binary\">\n");
-    w->size = 8;
-}
-
-static void put(writer *w, const void *data, size_t size)
-{
-    if (w->is_short || !sn_grow(&w->buffer, &w->cap, w->size + size, 1)) {
-        w->is_short = true;
+    if (!f->is_int) {
+        sn_vtk_doubles(w, f->name, f->values, n_row, f->n_comp);
         return;
     }
-    memcpy(w->buffer + w->size, data, size);
-    w->size += size;
+    size_t n_comp = (size_t)f->n_comp;
+    sn_vtk_open(w, SN_I32, f->name, f->n_comp);
+    for (size_t k = 0; k < n_row * n_comp; k++)
+        sn_vtk_put(w, SN_I32, (int64_t)f->values[k], k % n_comp == n_comp - 1);
+    sn_vtk_close(w);
 }
 
-static void put_int(writer *w, vtk_type type, int64_t v, bool ends_line)
-{
-    if (w->ascii) {
-        sn_out_int(w->o, v);
-        sn_out_text(w->o, ends_line ? "\n" : " ");
-        return;
-    }
-    int32_t v32 = (int32_t)v;
-    uint8_t v8 = (uint8_t)v;
-    if (type == I64) put(w, &v, 8);
-    if (type == I32) put(w, &v32, 4);
-    if (type == U8) put(w, &v8, 1);
-}
-
-static void close_array(writer *w)
-{
-    if (!w->ascii) {
-        uint64_t n = w->size - 8;
-        put(w, "", 0); /* so that the buffer exists */
-        if (!w->is_short) {
-            memcpy(w->buffer, &n, 8);
-            sn_out_base64(w->o, w->buffer, w->size);
-            sn_out_text(w->o, "\n");
-        }
-    }
-    sn_out_text(w->o, "</DataArray>\n");
-}
-
-static void write_doubles(writer *w, const char *name, const double *v, size_t n_row, int n_comp)
-{
-    open_array(w, "Float64", name, n_comp, -1);
-    if (!w->ascii) put(w, v, n_row * (size_t)n_comp * sizeof *v);
-    for (size_t i = 0; w->ascii && i < n_row; i++) sn_out_doubles(w->o, v + i * (size_t)n_comp, n_comp);
-    close_array(w);
-}
-
-static void write_names(writer *w, const sn_tet_extras *x)
-{
-    if (x->n_part == 0) return;
-    sn_out_text(w->o, "<FieldData>\n");
-    char room[24];
-    open_array(w, "String", "tissue_names", 1, x->n_part);
-    for (int32_t i = 0; i < x->n_part; i++) {
-        for (const char *c = sn_tet_part_name(x, i, room);; c++) { /* the final 0 divides the names */
-            put_int(w, U8, (unsigned char)*c, !*c);
-            if (!*c) break;
-        }
-    }
-    close_array(w);
-    sn_out_text(w->o, "</FieldData>\n");
-}
-
-static void write_fields(writer *w, const sn_tet_mesh *m, const sn_tet_extras *x, bool per_tet)
+static void write_fields(sn_vtk_out *w, const sn_tet_mesh *m, const sn_tet_extras *x, bool per_tet)
 {
     sn_out_text(w->o, per_tet ? "<CellData>\n" : "<PointData>\n");
-    if (per_tet && m->part) {
-        open_array(w, "Int32", "tissue", 1, -1);
-        for (int32_t t = 0; t < m->n_tet; t++) put_int(w, I32, m->part[t], true);
-        close_array(w);
-    }
-    for (int32_t i = 0; i < x->n_field; i++) {
-        const sn_tet_field *f = &x->field[i];
-        if (f->per_tet == per_tet)
-            write_doubles(w, f->name, f->values, (size_t)(per_tet ? m->n_tet : m->n_vert), f->n_comp);
-    }
+    if (per_tet && m->part) sn_vtk_i32(w, "tissue", m->part, (size_t)m->n_tet);
+    for (int32_t i = 0; i < x->n_field; i++)
+        if (x->field[i].per_tet == per_tet)
+            write_field(w, &x->field[i], (size_t)(per_tet ? m->n_tet : m->n_vert));
     sn_out_text(w->o, per_tet ? "</CellData>\n" : "</PointData>\n");
 }
 
-static void write_cells(writer *w, const sn_tet_mesh *m)
+static void write_cells(sn_vtk_out *w, const sn_tet_mesh *m)
 {
     sn_out_text(w->o, "<Cells>\n");
-    open_array(w, "Int64", "connectivity", 1, -1);
-    for (size_t k = 0; k < 4 * (size_t)m->n_tet; k++) put_int(w, I64, m->tet[k], k % 4 == 3);
-    close_array(w);
-    open_array(w, "Int64", "offsets", 1, -1);
-    for (int64_t t = 0; t < m->n_tet; t++) put_int(w, I64, 4 * (t + 1), true);
-    close_array(w);
-    open_array(w, "UInt8", "types", 1, -1);
-    for (int32_t t = 0; t < m->n_tet; t++) put_int(w, U8, VTK_TETRA, true);
-    close_array(w);
+    sn_vtk_open(w, SN_I64, "connectivity", 1);
+    for (size_t k = 0; k < 4 * (size_t)m->n_tet; k++) sn_vtk_put(w, SN_I64, m->tet[k], k % 4 == 3);
+    sn_vtk_close(w);
+    sn_vtk_open(w, SN_I64, "offsets", 1);
+    for (int64_t t = 0; t < m->n_tet; t++) sn_vtk_put(w, SN_I64, 4 * (t + 1), true);
+    sn_vtk_close(w);
+    sn_vtk_open(w, SN_U8, "types", 1);
+    for (int32_t t = 0; t < m->n_tet; t++) sn_vtk_put(w, SN_U8, VTK_TETRA, true);
+    sn_vtk_close(w);
     sn_out_text(w->o, "</Cells>\n");
 }
 
 sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err)
 {
-    writer w = {.o = o, .ascii = x->ascii};
-    sn_out_text(o,
-                "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"");
-    sn_out_text(o, host_is_big() ? "BigEndian" : "LittleEndian");
-    sn_out_text(o, "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n");
-    write_names(&w, x);
+    sn_vtk_out w;
+    sn_vtk_begin(&w, o, "UnstructuredGrid", x->ascii);
+    sn_vtk_part_names(&w, x->part_name, x->n_part);
     sn_out_text(o, "<Piece NumberOfPoints=\"");
     sn_out_int(o, m->n_vert);
     sn_out_text(o, "\" NumberOfCells=\"");
@@ -507,10 +379,9 @@ sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, 
     write_fields(&w, m, x, false);
     write_fields(&w, m, x, true);
     sn_out_text(o, "<Points>\n");
-    write_doubles(&w, "Points", m->pos, (size_t)m->n_vert, 3);
+    sn_vtk_doubles(&w, "Points", m->pos, (size_t)m->n_vert, 3);
     sn_out_text(o, "</Points>\n");
     write_cells(&w, m);
-    sn_out_text(o, "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-    sn_release(w.buffer);
-    return w.is_short ? sn_fail(err, SN_ENOMEM, "no memory for an array of %zu bytes", w.size) : SN_OK;
+    sn_out_text(o, "</Piece>\n");
+    return sn_vtk_end(&w, "UnstructuredGrid", err);
 }

@@ -64,8 +64,7 @@ static sn_status check_mesh(const sn_tet_mesh *m, const sn_tet_extras *x, sn_err
     return SN_OK;
 }
 
-/* Names stand in quotes or on a line of their own. */
-static bool is_plain(const char *name)
+bool sn_name_is_plain(const char *name)
 {
     if (!name || !*name) return false;
     for (const char *c = name; *c; c++)
@@ -73,10 +72,21 @@ static bool is_plain(const char *name)
     return true;
 }
 
+static sn_status check_whole(const sn_tet_field *f, size_t n, sn_error *err)
+{
+    for (size_t k = 0; k < n; k++) {
+        double v = f->values[k];
+        if (!(v >= INT32_MIN && v <= INT32_MAX && v == floor(v)))
+            return sn_fail(err, SN_EINVAL, "field '%s' is %.17g at %s %zu, need a whole number of 32 bits",
+                           f->name, v, f->per_tet ? "tet" : "vertex", k / (size_t)f->n_comp + 1);
+    }
+    return SN_OK;
+}
+
 static sn_status check_field(const sn_tet_mesh *m, const sn_tet_extras *x, int32_t i, sn_error *err)
 {
     const sn_tet_field *f = &x->field[i];
-    if (!is_plain(f->name) || strcmp(f->name, "tissue") == 0)
+    if (!sn_name_is_plain(f->name) || strcmp(f->name, "tissue") == 0)
         return sn_fail(err, SN_EINVAL,
                        "field %d needs a name without quotes and control characters, other than 'tissue'",
                        i + 1);
@@ -90,7 +100,7 @@ static sn_status check_field(const sn_tet_mesh *m, const sn_tet_extras *x, int32
         if (!isfinite(f->values[k]))
             return sn_fail(err, SN_EINVAL, "field '%s' is not finite at %s %zu", f->name,
                            f->per_tet ? "tet" : "vertex", k / (size_t)f->n_comp + 1);
-    return SN_OK;
+    return f->is_int ? check_whole(f, n, err) : SN_OK;
 }
 
 static sn_status check_extras(const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err)
@@ -98,7 +108,7 @@ static sn_status check_extras(const sn_tet_mesh *m, const sn_tet_extras *x, sn_e
     if (x->n_part < 0 || x->n_field < 0)
         return sn_fail(err, SN_EINVAL, "%d part names and %d fields, need 0 or more", x->n_part, x->n_field);
     for (int32_t i = 0; x->part_name && i < x->n_part; i++)
-        if (!is_plain(x->part_name[i]))
+        if (!sn_name_is_plain(x->part_name[i]))
             return sn_fail(err, SN_EINVAL, "part %d needs a name without quotes and control characters",
                            i + 1);
     for (int32_t i = 0; i < x->n_field; i++) {
@@ -129,9 +139,9 @@ sn_status sn_tet_mesh_save(const sn_tet_mesh *m, const sn_tet_extras *x, const c
     return sn_fail_prefix(err, st, "%s: cannot save: ", path);
 }
 
-const char *sn_tet_part_name(const sn_tet_extras *x, int32_t i_part, char room[24])
+const char *sn_part_name(const char *const *part_name, int32_t i_part, char room[24])
 {
-    if (x->part_name) return x->part_name[i_part];
+    if (part_name) return part_name[i_part];
     (void)snprintf(room, 24, "part%d", i_part);
     return room;
 }

@@ -1,13 +1,16 @@
 /* tet_io.h - reads and writes tet meshes with named parts and fields.
  *
- * .vtu: VTK XML, inline base64 (or ASCII). Cell array "tissue" (Int32) when there are parts, and any field;
- * part names as a FieldData string array "tissue_names"; Int64 connectivity, header_type UInt64.
+ * .vtu: VTK XML, inline base64 (or ASCII). Cell array "tissue" (Int32) when there are parts; fields as cell
+ * or point arrays, Float64 or Int32; part names as a FieldData string array "tissue_names"; Int64
+ * connectivity, header_type UInt64.
  *
  * .mesh: MEDIT ASCII, MeshVersionFormatted 2. Vertices, Triangles, Tetrahedra with ref = part id + 1 (0: no
  * parts); names as comment lines "# tissue <ref> <name>" below the first line. Triangles are the faces to the
- * outside and between parts, each once, as seen from outside the part with the lower id, with its ref.
+ * outside and between parts, each once, as seen from outside the part with the lower id, with its ref. The
+ * format has no place for fields: they are left out.
  *
- * .msh: Gmsh 2.2 ASCII. Tets with physical and elementary id = part id + 1; names in $PhysicalNames.
+ * .msh: Gmsh 2.2 ASCII. Tets with physical and elementary id = part id + 1; names in $PhysicalNames. Fields
+ * per tet as $ElementData, per vertex as $NodeData, each at time 0.0 in step 0.
  *
  * All or nothing; independent of locale; the same mesh gives the same bytes. */
 #ifndef SN_MESH_TET_IO_H
@@ -22,6 +25,7 @@ typedef struct sn_tet_field { /* borrowed for the call */
     const double *values;     /* n_vert or n_tet x n_comp, row-major                  */
     int n_comp;               /* 1 or 3                                               */
     bool per_tet;
+    bool is_int; /* values are whole numbers of 32 bits, and are written as such */
 } sn_tet_field;
 
 typedef struct sn_tet_extras { /* zero-initialised = nothing */
@@ -33,10 +37,11 @@ typedef struct sn_tet_extras { /* zero-initialised = nothing */
     bool ascii; /* .vtu only */
 } sn_tet_extras;
 
-/* x: NULL for nothing. Fields go into .vtu only. Flat tets are written as they are.
+/* x: NULL for nothing. Fields are checked for every format, also for one that leaves them out. Flat tets are
+ * written as they are.
  * Errors: SN_EIO; SN_EINVAL (unknown extension, no tets, index out of range, part id < 0 or >= n_part, a
- * coordinate or field value that is not finite, a name or n_comp that cannot be, two fields of one name, and
- * for .mesh a face of three tets); SN_ENOMEM. */
+ * coordinate or field value that is not finite, a value of an is_int field that is no 32-bit integer, a name
+ * or n_comp that cannot be, two fields of one name, and for .mesh a face of three tets); SN_ENOMEM. */
 SN_MUST_USE sn_status sn_tet_mesh_save(const sn_tet_mesh *m, const sn_tet_extras *x, const char *path,
                                        sn_error *err);
 

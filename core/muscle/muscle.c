@@ -74,7 +74,7 @@ sn_status sn_muscle_set_anisotropy(sn_muscle *m, const sn_anisotropy *a, sn_erro
                 "across it",
                 m->name, a->axis.x, a->axis.y, a->axis.z);
     }
-    m->anisotropy = *a;
+    m->anisotropy = a->is_on ? *a : (sn_anisotropy){0};
     return SN_OK;
 }
 

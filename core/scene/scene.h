@@ -12,6 +12,8 @@
 
 #include "base/notes.h"
 #include "extract/extraction.h"
+#include "extract/part_fibers.h"
+#include "field/attachment.h"
 #include "field/tissue.h"
 #include "muscle/muscle.h"
 #include "muscle/path.h"
@@ -128,18 +130,25 @@ SN_MUST_USE sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *op
 /* The tissue fields, n_tissue x n_vert, NULL while stale. */
 const double *sn_scene_fields(const sn_scene *s);
 
-/* opt->camera comes from the caller; see sn_scene_bounds. Solves first if stale and muscles are shown and
- * there are any. */
-SN_MUST_USE sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, const sn_run *run,
-                                      sn_image *out, sn_picture_stats *stats, sn_error *err);
+/* opt->camera comes from the caller; see sn_scene_bounds. n_fiber: lines in each muscle when fibers are shown, at
+ * least 1. Frames are drawn of muscles that have one (sn_anisotropy is_on, or pennate fibers). Solves first if
+ * stale and muscles or fibers are shown and there are any; muscles without fibers (empty, heads that share no
+ * end) get a note. */
+SN_MUST_USE sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber,
+                                      const sn_run *run, sn_image *out, sn_picture_stats *stats,
+                                      sn_error *err);
 sn_box3 sn_scene_bounds(const sn_scene *s); /* of skin, bones and control points */
 
 typedef struct sn_muscle_report {
-    double length;         /* of the curve                                                       */
+    double length;         /* of the curves                                                      */
     double volume;         /* where the muscle wins: of the extraction                           */
     int32_t tets;          /* of the extraction                                                  */
     int32_t components;    /* pieces joined through faces                                        */
     double length_outside; /* of the curve                                                       */
+    sn_attachment *end;    /* 2 n_head: origin and insertion of each head; owned                 */
+    int32_t n_head;
+    bool has_fibers; /* false: empty, or its heads share no end                            */
+    sn_part_architecture architecture;
 } sn_muscle_report;
 #define SN_TISSUE_HISTOGRAM 9
 typedef struct sn_scene_report {

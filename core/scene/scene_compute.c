@@ -266,9 +266,14 @@ sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_
     if (st) return st;
     int32_t n = 1 + s->n_muscle;
     const char **name = SN_NEW(const char *, n);
-    if (!name) return sn_scene_no_memory(err);
-    for (int32_t i = 0; i < n; i++) name[i] = sn_scene_tissue_name(s, i);
-    st = sn_extract(&s->body.mesh, s->field, name, n, opt, run, out, err);
+    const sn_muscle **muscle = SN_NEW(const sn_muscle *, s->n_muscle);
+    if (!name || !muscle) st = sn_scene_no_memory(err);
+    for (int32_t i = 0; !st && i < n; i++) name[i] = sn_scene_tissue_name(s, i);
+    for (int32_t i = 0; !st && i < s->n_muscle; i++) muscle[i] = &s->muscle[i]->muscle;
+    if (!st) st = sn_extract(&s->body.mesh, s->field, name, n, opt, run, out, err);
+    if (!st) st = sn_extraction_set_muscles(out, muscle, s->n_muscle, err);
     sn_release(name);
+    sn_release(muscle);
+    if (st) sn_extraction_free(out);
     return st;
 }

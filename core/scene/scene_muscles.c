@@ -153,14 +153,13 @@ sn_status sn_scene_set_tissue(sn_scene *s, int32_t i_muscle, int32_t i_head, int
     sn_head *h;
     sn_status st = sn_scene_check_muscle(s, i_muscle, err);
     if (st) return st;
-    int32_t first = i_head < 0 ? 0 : i_head,
-            last = i_head < 0 ? s->muscle[i_muscle]->muscle.n_head - 1 : i_head;
-    for (int32_t k = first; k <= last && !st; k++) {
+    const sn_muscle *m = &s->muscle[i_muscle]->muscle;
+    int32_t first = i_head < 0 ? 0 : i_head, last = i_head < 0 ? m->n_head - 1 : i_head;
+    for (int32_t k = first; k <= last && !st; k++) /* all heads have that point, or none is changed */
         st = find_point(s, i_muscle, k, i_point < 0 ? 0 : i_point, 0, &h, err);
-        if (!st)
-            st = sn_muscle_blame(&s->muscle[i_muscle]->muscle, k, sn_head_set_tissue(h, i_point, value, err),
-                                 err);
-    }
+    for (int32_t k = first; k <= last && !st; k++)
+        st = sn_muscle_blame(
+            m, k, sn_head_set_tissue(&s->muscle[i_muscle]->muscle.head[k], i_point, value, err), err);
     if (!st) sn_scene_stale_field(s, i_muscle);
     return st;
 }

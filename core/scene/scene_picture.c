@@ -2,17 +2,25 @@
 #include "scene/scene.h"
 
 #include "base/alloc.h"
+#include "field/measure.h"
 #include "scene/scene_private.h"
 
 #include <string.h>
 
 #define CURVE_SAMPLES 96
+enum { n_frame = 9 }; /* along each curve */
 
 typedef struct drawing {
     const sn_tri_mesh **bone;
     sn_picture_curve *curve;
     double *sample; /* n_curve x CURVE_SAMPLES x 3 */
     int32_t n_curve;
+    sn_picture_arrow *arrow;
+    int32_t n_arrow;
+    float **tendon; /* n_muscle, each NULL or n_vert; NULL: no muscle has one */
+    int32_t n_tendon;
+    sn_polylines lines;
+    sn_picture_line *fiber;
 } drawing;
 
 static void free_drawing(drawing *d)
@@ -20,13 +28,24 @@ static void free_drawing(drawing *d)
     sn_release(d->bone);
     sn_release(d->curve);
     sn_release(d->sample);
+    sn_release(d->arrow);
+    for (int32_t i = 0; d->tendon && i < d->n_tendon; i++) sn_release(d->tendon[i]);
+    sn_release(d->tendon);
+    sn_polylines_free(&d->lines);
+    sn_release(d->fiber);
+}
+
+static int32_t count_heads(const sn_scene *s)
+{
+    int32_t n = 0;
+    for (int32_t i = 0; i < s->n_muscle; i++) n += s->muscle[i]->muscle.n_head;
+    return n;
 }
 
 /* A curve for each head, in its muscle's colour. */
 static sn_status make_curves(const sn_scene *s, drawing *d, sn_error *err)
 {
-    int32_t n = 0;
-    for (int32_t i = 0; i < s->n_muscle; i++) n += s->muscle[i]->muscle.n_head;
+    int32_t n = count_heads(s);
     d->curve = SN_NEW(sn_picture_curve, n);
     d->sample = SN_NEW(double, (size_t)n *CURVE_SAMPLES * 3);
     if (!d->curve || !d->sample) return sn_scene_no_memory(err);
@@ -41,30 +60,175 @@ static sn_status make_curves(const sn_scene *s, drawing *d, sn_error *err)
     return SN_OK;
 }
 
-static sn_status make_drawing(const sn_scene *s, drawing *d, sn_picture_scene *p, sn_error *err)
+/* ---- frames ---- */
+
+static bool has_frame(const sn_muscle *m)
 {
+    return m->anisotropy.is_on || m->pennation.kind >= SN_UNIPENNATE;
+}
+
+/* Arrows as long as tissue reaches in their directions: by the roots of the eigenvalues, the longest a
+ * twelfth of the curve. */
+static void add_arrows(const sn_muscle *m, const sn_path *p, drawing *d)
+{
+    static const sn_rgb color[3] = {{0.80f, 0.16f, 0.13f}, {0.13f, 0.55f, 0.20f}, {0.14f, 0.33f, 0.78f}};
+    const double *l = m->anisotropy.eigenvalue;
+    double root[3], most = 0.0;
+    for (int k = 0; k < 3; k++) {
+        root[k] = m->anisotropy.is_on ? sqrt(l[k]) : 1.0;
+        most = fmax(most, root[k]);
+    }
+    for (int i = 0; i < n_frame; i++) {
+        double arc = p->length * i / (n_frame - 1);
+        sn_triad f = sn_path_frame(p, arc);
+        const sn_vec3 e[3] = {f.e1, f.e2, f.e3};
+        for (int k = 0; k < 3; k++)
+            d->arrow[d->n_arrow++] = (sn_picture_arrow){
+                sn_path_point(p, arc), sn_v3_scale(p->length / 12.0 * root[k] / most, e[k]), color[k]};
+    }
+}
+
+static sn_status make_frames(sn_scene *s, drawing *d, sn_error *err)
+{
+    d->arrow = SN_NEW(sn_picture_arrow, 3 * n_frame * (size_t)count_heads(s));
+    if (!d->arrow) return sn_scene_no_memory(err);
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        const sn_muscle *m = &s->muscle[i]->muscle;
+        if (!has_frame(m)) continue;
+        sn_status st = sn_scene_need_paths(s->muscle[i], err);
+        if (st) return st;
+        for (int32_t h = 0; h < m->n_head; h++) add_arrows(m, &s->muscle[i]->paths.head[h], d);
+    }
+    return SN_OK;
+}
+
+/* ---- tendon ---- */
+
+/* On which side of the tendon's border each vertex near the muscle lies. */
+static void place_tendon(const sn_scene *s, int32_t i_muscle, const double *share, const sn_tendons *t,
+                         const sn_run *run, float *out)
+{
+    const sn_tet_mesh *m = &s->body.mesh;
+    const sn_paths *paths = &s->muscle[i_muscle]->paths;
+    for (int32_t v = 0; v < m->n_vert; v++) out[v] = 0.0f;
+    for (size_t k = 0; k < 4 * (size_t)m->n_tet; k++)
+        if (share[k >> 2] > 0.0) out[m->tet[k]] = 1.0f;
+#pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
+    for (int32_t v = 0; v < m->n_vert; v++)
+        out[v] = out[v] > 0.0f ? (float)sn_tendons_at(t, paths, sn_tet_mesh_point(m, v)) : -1.0f;
+}
+
+static sn_status make_tendon(sn_scene *s, int32_t i, const sn_run *run, float **out, sn_error *err)
+{
+    scene_muscle *m = s->muscle[i];
+    sn_measure *measure = NULL;
+    sn_tendons tendons = {0};
+    double *share = SN_NEW(double, s->body.mesh.n_tet);
+    *out = SN_NEW(float, s->body.mesh.n_vert);
+    sn_status st = share && *out ? sn_scene_need_paths(m, err) : sn_scene_no_memory(err);
+    if (!st) st = sn_measure_create(&measure, &s->body.mesh, s->field, 1 + s->n_muscle, 1 + i, run, err);
+    if (!st) {
+#pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
+        for (int32_t t = 0; t < s->body.mesh.n_tet; t++) share[t] = sn_measure_tet_share(measure, t, 1.0);
+        st = sn_tendons_find(&tendons, &s->body.mesh, share, &m->muscle, &m->paths, err);
+    }
+    if (!st) place_tendon(s, i, share, &tendons, run, *out);
+    sn_tendons_free(&tendons);
+    sn_measure_destroy(measure);
+    sn_release(share);
+    return st;
+}
+
+static sn_status make_tendons(sn_scene *s, drawing *d, const sn_run *run, sn_error *err)
+{
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        if (!sn_muscle_has_tendon(&s->muscle[i]->muscle)) continue;
+        if (!d->tendon) d->tendon = SN_NEW_ZERO(float *, s->n_muscle);
+        if (!d->tendon) return sn_scene_no_memory(err);
+        d->n_tendon = s->n_muscle;
+        sn_status st = make_tendon(s, i, run, &d->tendon[i], err);
+        if (st) return st;
+    }
+    return SN_OK;
+}
+
+/* ---- fibers ---- */
+
+static sn_status trace_fibers(sn_scene *s, const sn_extraction *x, int32_t n, drawing *d, const sn_run *run,
+                              sn_error *err)
+{
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        sn_part_fibers p;
+        sn_error why;
+        sn_status st = sn_part_fibers_build(&p, x, &s->body.mesh, 1 + i, NULL, run, &why);
+        if (st == SN_EINVAL) sn_notes_add(&s->notes, "%s: none are drawn", why.msg);
+        if (st && st != SN_EINVAL && err) *err = why;
+        if (!st) st = sn_part_fibers_lines(&p, x, n, run, &d->lines, err);
+        sn_part_fibers_free(&p);
+        if (st && st != SN_EINVAL) return st;
+    }
+    return SN_OK;
+}
+
+static sn_status make_fibers(sn_scene *s, int32_t n, drawing *d, const sn_run *run, sn_error *err)
+{
+    sn_extraction x;
+    sn_extraction_init(&x);
+    sn_status st = sn_scene_extract(s, NULL, run, &x, err);
+    if (!st) st = trace_fibers(s, &x, n, d, run, err);
+    sn_extraction_free(&x);
+    if (st) return st;
+    d->fiber = SN_NEW(sn_picture_line, d->lines.n_line);
+    if (!d->fiber) return sn_scene_no_memory(err);
+    for (size_t i = 0; i < d->lines.n_line; i++) {
+        int64_t first = d->lines.first[i], end = d->lines.first[i + 1];
+        d->fiber[i] = (sn_picture_line){d->lines.pos + 3 * (size_t)first, (int32_t)(end - first),
+                                        sn_muscle_color(d->lines.part[i] - 1)};
+    }
+    return SN_OK;
+}
+
+/* ---- the whole ---- */
+
+static sn_status make_drawing(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber, const sn_run *run,
+                              drawing *d, sn_error *err)
+{
+    bool has_fields = s->n_muscle > 0 && sn_scene_fields(s);
     d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
     if (!d->bone) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) d->bone[i] = &s->bone[i].mesh;
     sn_status st = make_curves(s, d, err);
-    if (st) return st;
+    if (!st && opt->show_frames) st = make_frames(s, d, err);
+    if (!st && has_fields && (opt->show_muscles || opt->has_clip)) st = make_tendons(s, d, run, err);
+    if (!st && has_fields && opt->show_fibers) st = make_fibers(s, n_fiber, d, run, err);
+    return st;
+}
+
+static void show_drawing(const sn_scene *s, const drawing *d, sn_picture_scene *p)
+{
     p->bone = d->bone;
     p->n_bone = s->n_bone;
     p->skin = sn_scene_skin(s);
     p->curve = d->curve;
     p->n_curve = d->n_curve;
+    p->arrow = d->arrow;
+    p->n_arrow = d->n_arrow;
+    p->fiber = d->fiber;
+    p->n_fiber = (int32_t)d->lines.n_line;
+    p->tendon = (const float *const *)d->tendon;
     p->unit = sn_box3_diagonal(sn_scene_bounds(s));
-    return SN_OK;
 }
 
-sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, const sn_run *run, sn_image *out,
-                          sn_picture_stats *stats, sn_error *err)
+sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber, const sn_run *run,
+                          sn_image *out, sn_picture_stats *stats, sn_error *err)
 {
     drawing d = {0};
+    sn_polylines_init(&d.lines, false);
     sn_picture_scene p = {0};
-    bool wants_fields = (opt->show_muscles || opt->has_clip) && s->n_muscle > 0;
+    bool wants_fields = (opt->show_muscles || opt->show_fibers || opt->has_clip) && s->n_muscle > 0;
     sn_status st = wants_fields ? sn_scene_solve(s, run, NULL, err) : SN_OK;
-    if (!st) st = make_drawing(s, &d, &p, err);
+    if (!st) st = make_drawing(s, opt, n_fiber, run, &d, err);
+    if (!st) show_drawing(s, &d, &p);
     if (!st && wants_fields) {
         p.tets = &s->body.mesh;
         p.field = s->field;

@@ -7,6 +7,7 @@
 
 void sn_scene_report_free(sn_scene_report *r)
 {
+    for (int32_t i = 0; i < r->n_muscle; i++) sn_release(r->muscle[i].end);
     sn_release(r->muscle);
     memset(r, 0, sizeof *r);
 }
@@ -77,6 +78,58 @@ static void measure(const sn_scene *s, const sn_extraction *x, sn_scene_report *
     }
 }
 
+/* ---- ends and fibers of each muscle, many at a time ---- */
+
+static sn_status report_ends(sn_scene *s, int32_t i, const sn_run *run, sn_muscle_report *r, sn_error *err)
+{
+    scene_muscle *m = s->muscle[i];
+    sn_measure *measure = NULL;
+    r->n_head = m->muscle.n_head;
+    r->end = SN_NEW_ZERO(sn_attachment, 2 * (size_t)r->n_head);
+    sn_status st = r->end ? sn_scene_need_paths(m, err) : sn_scene_no_memory(err);
+    if (!st) st = sn_measure_create(&measure, &s->body.mesh, s->field, 1 + s->n_muscle, 1 + i, run, err);
+    if (!st) st = sn_attachments_find(&s->body, measure, &m->muscle, &m->paths, r->end, err);
+    sn_measure_destroy(measure);
+    return st;
+}
+
+static sn_status report_fibers(const sn_scene *s, const sn_extraction *x, int32_t i, const sn_run *run,
+                               sn_muscle_report *r, sn_error *err)
+{
+    sn_part_fibers p;
+    sn_status st = sn_part_fibers_build(&p, x, &s->body.mesh, 1 + i, NULL, run, err);
+    if (st == SN_EINVAL) return SN_OK; /* empty, or heads that share no end */
+    if (!st) st = sn_part_architecture_find(&p, x, run, &r->architecture, err);
+    r->has_fibers = st == SN_OK;
+    sn_part_fibers_free(&p);
+    return st;
+}
+
+static sn_status report_muscles(sn_scene *s, const sn_extraction *x, const sn_run *run, sn_scene_report *r,
+                                sn_error *err)
+{
+    sn_status *status = SN_NEW_ZERO(sn_status, s->n_muscle), st;
+    sn_error *error = SN_NEW_ZERO(sn_error, s->n_muscle);
+    sn_run each = run ? *run : (sn_run){0};
+    each.progress = NULL; /* only the thread that called may report */
+    each.n_threads = 1;
+    st = status && error ? sn_run_step(run, "measuring muscles", 0.0, err) : sn_scene_no_memory(err);
+    if (!st) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(sn_run_threads(run))
+        for (int32_t i = 0; i < s->n_muscle; i++) {
+            status[i] = report_ends(s, i, &each, &r->muscle[i], &error[i]);
+            if (!status[i]) status[i] = report_fibers(s, x, i, &each, &r->muscle[i], &error[i]);
+        }
+    }
+    for (int32_t i = 0; i < s->n_muscle && !st; i++) {
+        st = status[i];
+        if (st && err) *err = error[i];
+    }
+    sn_release(status);
+    sn_release(error);
+    return st;
+}
+
 sn_status sn_scene_report_make(sn_scene *s, const sn_run *run, sn_scene_report *r, sn_error *err)
 {
     sn_extraction x;
@@ -93,6 +146,7 @@ sn_status sn_scene_report_make(sn_scene *s, const sn_run *run, sn_scene_report *
         r->tissue = *sn_tissue_solver_report(s->solver);
         r->seconds_extract = x.seconds;
         st = count_components(&x, r, err);
+        if (!st) st = report_muscles(s, &x, run, r, err);
     }
     sn_extraction_free(&x);
     if (st) sn_scene_report_free(r);

@@ -248,6 +248,7 @@ int luaopen_sinew(lua_State *L)
     lsn_open_muscle(L);
     lsn_open_head(L);
     lsn_open_extraction(L);
+    lsn_open_fibers(L);
     lsn_open_tets(L);
     lsn_open_image(L);
     lsn_open_help(L);

@@ -168,6 +168,10 @@ void lsn_scene_must(lua_State *L, sn_scene *s, sn_status st, const sn_error *err
 
 /* The muscle whose handle is at arg; raises when it was removed. */
 int32_t lsn_find_muscle(lua_State *L, int arg, sn_scene **s);
+/* Reads options `points` and `tissue`, or `heads`, at arg. What the heads point to stays on the stack. */
+const sn_head_points *lsn_push_heads(lua_State *L, int arg, int32_t *n);
+/* Reads options `kind`, `angle`, `sheets` at arg. */
+sn_pennation lsn_read_pennation(lua_State *L, int arg);
 void lsn_set_triad(lua_State *L, sn_triad f); /* e1, e2, e3 into the table on top of the stack */
 
 /* ---- methods of a muscle that live in lsn_head.c: of its one head, when argument 1 is a muscle ---- */
@@ -181,6 +185,18 @@ int lsn_head_remove_point(lua_State *L);
 int lsn_head_tissue(lua_State *L);
 int lsn_head_set_tissue(lua_State *L);
 int lsn_head_curve(lua_State *L);
+
+/* The extraction and tissue of the part at argument 1; *input receives the tets that were cut, NULL when
+ * closed. */
+const sn_extraction *lsn_check_part(lua_State *L, int32_t *tissue, const sn_tet_mesh **input);
+const sn_extraction *lsn_check_extraction(lua_State *L, const sn_tet_mesh **input);
+void lsn_set_architecture(lua_State *L, const sn_part_architecture *a); /* into the table on top */
+
+/* ---- methods of parts and extractions that live in lsn_fibers.c ---- */
+int lsn_part_fibers(lua_State *L);
+int lsn_part_fiber_lines(lua_State *L);
+int lsn_part_architecture(lua_State *L);
+int lsn_extraction_fiber_lines(lua_State *L);
 
 /* ---- methods of a scene that live in other files ---- */
 int lsn_scene_render(lua_State *L);
@@ -205,6 +221,7 @@ void lsn_open_bone(lua_State *L);
 void lsn_open_muscle(lua_State *L);
 void lsn_open_head(lua_State *L);
 void lsn_open_extraction(lua_State *L);
+void lsn_open_fibers(lua_State *L);
 void lsn_open_tets(lua_State *L);
 void lsn_open_image(lua_State *L);
 void lsn_open_help(lua_State *L);

@@ -3,9 +3,6 @@
 #include "lsn.h"
 
 #include "base/alloc.h"
-#include "base/file.h"
-#include "mesh/surface_io.h"
-#include "mesh/tet_io.h"
 
 #include <string.h>
 
@@ -26,6 +23,16 @@ static sn_extraction *check_extraction(lua_State *L, int arg)
 {
     sn_extraction *x = luaL_checkudata(L, arg, LSN_EXTRACTION);
     luaL_argcheck(L, x->name != NULL, arg, "extraction was closed");
+    return x;
+}
+
+const sn_extraction *lsn_check_extraction(lua_State *L, const sn_tet_mesh **input)
+{
+    const sn_extraction *x = check_extraction(L, 1);
+    (void)lua_getiuservalue(L, 1, 1);
+    *input = lua_touserdata(L, -1);
+    if (*input && !(*input)->tet) *input = NULL; /* closed */
+    lua_pop(L, 1);
     return x;
 }
 
@@ -192,12 +199,10 @@ static int extraction_vertex_count(lua_State *L)
 
 static int extraction_check(lua_State *L)
 {
-    const sn_extraction *x = check_extraction(L, 1);
-    (void)lua_getiuservalue(L, 1, 1);
-    const sn_tet_mesh *input = lua_touserdata(L, -1);
+    const sn_tet_mesh *input;
+    const sn_extraction *x = lsn_check_extraction(L, &input);
     sn_extraction_check c;
     sn_error err;
-    if (input && !input->tet) input = NULL; /* closed */
     if (sn_extraction_check_run(&c, x, input, &lsn_get_state(L)->run, &err)) return lsn_raise(L, &err);
     lua_createtable(L, 0, 12);
     lsn_set_bool(L, "conforming", c.conforming);
@@ -217,10 +222,11 @@ static int extraction_check(lua_State *L)
 
 static int extraction_save(lua_State *L) /* x:save(path) -> true | nil, message */
 {
-    const sn_extraction *x = check_extraction(L, 1);
+    const sn_tet_mesh *input;
+    const sn_extraction *x = lsn_check_extraction(L, &input);
     const char *path = lsn_check_text(L, 2);
     sn_error err;
-    return lsn_saved(L, sn_extraction_save(x, path, &err), &err);
+    return lsn_saved(L, sn_extraction_save(x, input, path, &lsn_get_state(L)->run, &err), &err);
 }
 
 /* ---- part: a tissue id, with the extraction as user value ---- */
@@ -254,6 +260,17 @@ static const sn_extraction *check_part(lua_State *L, int32_t *tissue)
     lua_pop(L, 1);
     luaL_argcheck(L, x && x->name, 1, "the part's extraction was closed");
     *tissue = p->tissue;
+    return x;
+}
+
+const sn_extraction *lsn_check_part(lua_State *L, int32_t *tissue, const sn_tet_mesh **input)
+{
+    const sn_extraction *x = check_part(L, tissue);
+    (void)lua_getiuservalue(L, 1, 1);
+    (void)lua_getiuservalue(L, -1, 1);
+    *input = lua_touserdata(L, -1);
+    if (*input && !(*input)->tet) *input = NULL; /* closed */
+    lua_pop(L, 2);
     return x;
 }
 
@@ -307,43 +324,14 @@ static int part_surface(lua_State *L)
     return 1;
 }
 
-/* The tets of a tissue alone, kept in *tets; they keep the tissue's id and all names. */
-static sn_status save_tets(const sn_extraction *x, int32_t tissue, sn_tet_mesh *tets, const char *path,
-                           sn_error *err)
-{
-    sn_tet_extras names = {.part_name = (const char *const *)x->name, .n_part = x->n_tissue};
-    sn_status st = sn_extraction_part(x, tissue, tets, err);
-    if (!st && tets->n_tet == 0)
-        return sn_fail(err, SN_EINVAL, "part '%s' is empty: no tets", x->name[tissue]);
-    return st ? st : sn_tet_mesh_save(tets, &names, path, err);
-}
-
 static int part_save(lua_State *L) /* part:save(path) -> true | nil, message */
 {
-    static const char *const as_surface[] = {"obj", "ply", "stl", "off"}, *const as_tets[] = {"vtu", "mesh",
-                                                                                              "msh"};
     int32_t tissue;
-    const sn_extraction *x = check_part(L, &tissue);
+    const sn_tet_mesh *input;
+    const sn_extraction *x = lsn_check_part(L, &tissue, &input);
     const char *path = lsn_check_text(L, 2);
-    char ext[16];
     sn_error err;
-    sn_file_extension(path, ext);
-    for (int i = 0; i < 3; i++)
-        if (strcmp(ext, as_tets[i]) == 0)
-            return lsn_saved(L, save_tets(x, tissue, lsn_push_tets(L), path, &err), &err);
-    for (int i = 0; i < 4; i++) {
-        if (strcmp(ext, as_surface[i]) != 0) continue;
-        sn_tri_mesh *m = lsn_push_surface(L);
-        sn_status st = surface_of(x, tissue, m, &err);
-        return lsn_saved(L, st ? st : sn_surface_save(m, path, &err), &err);
-    }
-    return lsn_saved(
-        L,
-        sn_fail(&err, SN_EINVAL,
-                "%s: unknown format '%s' (known: .obj .ply .stl .off for the surface, .vtu .mesh .msh for "
-                "the tets)",
-                path, ext),
-        &err);
+    return lsn_saved(L, sn_extraction_save_part(x, input, tissue, path, &lsn_get_state(L)->run, &err), &err);
 }
 
 void lsn_open_extraction(lua_State *L)
@@ -358,12 +346,19 @@ void lsn_open_extraction(lua_State *L)
                                        {"vertex_count", extraction_vertex_count},
                                        {"check", extraction_check},
                                        {"save", extraction_save},
+                                       {"fiber_lines", lsn_extraction_fiber_lines},
                                        {"close", extraction_gc},
                                        {NULL, NULL}};
     static const luaL_Reg part_meta[] = {{"__tostring", part_tostring}, {NULL, NULL}};
-    static const luaL_Reg part_methods[] = {{"name", part_name},           {"volume", part_volume},
-                                            {"tet_count", part_tet_count}, {"surface", part_surface},
-                                            {"save", part_save},           {NULL, NULL}};
+    static const luaL_Reg part_methods[] = {{"name", part_name},
+                                            {"volume", part_volume},
+                                            {"tet_count", part_tet_count},
+                                            {"surface", part_surface},
+                                            {"save", part_save},
+                                            {"fibers", lsn_part_fibers},
+                                            {"fiber_lines", lsn_part_fiber_lines},
+                                            {"architecture", lsn_part_architecture},
+                                            {NULL, NULL}};
     lsn_new_type(L, LSN_EXTRACTION, meta, methods);
     lsn_new_type(L, LSN_PART, part_meta, part_methods);
     lua_pushcfunction(L, sinew_extract);

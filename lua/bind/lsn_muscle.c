@@ -81,7 +81,7 @@ static sn_head_points push_head(lua_State *L, int arg)
 }
 
 /* Option `heads` of the table at arg: a list of {points=, tissue=}. Leaves what they hold on the stack. */
-static const sn_head_points *push_heads(lua_State *L, int arg, int32_t *n)
+static const sn_head_points *push_head_list(lua_State *L, int arg, int32_t *n)
 {
     static const char *const keys[] = {"points", "tissue", NULL};
     int list = lua_gettop(L) + 1;
@@ -107,24 +107,30 @@ static const sn_head_points *push_heads(lua_State *L, int arg, int32_t *n)
     return head;
 }
 
+const sn_head_points *lsn_push_heads(lua_State *L, int arg, int32_t *n)
+{
+    if (lsn_has(L, arg, "heads")) {
+        if (lsn_has(L, arg, "points") || lsn_has(L, arg, "tissue"))
+            (void)lsn_option_error(L, arg, NULL,
+                                   "either option 'heads' or 'points' and 'tissue' expected, got both");
+        return push_head_list(L, arg, n);
+    }
+    sn_head_points *one = lua_newuserdatauv(L, sizeof *one, 0);
+    *one = push_head(L, arg);
+    *n = 1;
+    return one;
+}
+
 int lsn_scene_add_muscle(lua_State *L) /* scene:add_muscle(name, {points=, tissue=} or {heads=}) -> muscle */
 {
     static const char *const keys[] = {"points", "tissue", "heads", NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     const char *name = lsn_check_text(L, 2);
-    sn_head_points one;
-    const sn_head_points *head = &one;
-    int32_t n = 1;
+    int32_t n;
     sn_error err;
     luaL_checktype(L, 3, LUA_TTABLE);
     lsn_check_keys(L, 3, keys);
-    if (lsn_has(L, 3, "heads") && (lsn_has(L, 3, "points") || lsn_has(L, 3, "tissue")))
-        return lsn_option_error(L, 3, NULL,
-                                "either option 'heads' or 'points' and 'tissue' expected, got both");
-    if (lsn_has(L, 3, "heads"))
-        head = push_heads(L, 3, &n);
-    else
-        one = push_head(L, 3);
+    const sn_head_points *head = lsn_push_heads(L, 3, &n);
     lsn_scene_must(L, s, sn_scene_add_heads(s, name, head, n, &err), &err);
     lsn_push_member(L, LSN_MUSCLE, 1, name);
     return 1;
@@ -293,26 +299,34 @@ static int muscle_preserved_volume(lua_State *L) /* or nil */
 
 /* ---- fibers and tendon ---- */
 
+sn_pennation lsn_read_pennation(lua_State *L, int arg)
+{
+    sn_pennation p = {0};
+    int32_t kind = 0;
+    const char *word = lsn_opt_string(L, arg, "kind", sn_architecture_name[0]);
+    while (kind < SN_N_ARCHITECTURE && strcmp(word, sn_architecture_name[kind]) != 0) kind++;
+    if (kind == SN_N_ARCHITECTURE)
+        (void)lsn_option_error(L, arg, "kind", "unknown kind '%s' (%s)", word,
+                               lsn_push_known(L, word, sn_architecture_name));
+    p.kind = (sn_architecture)kind;
+    p.n_angle = read_numbers(L, arg, "angle", SN_PENNATION_ANGLES, p.angle_deg);
+    if (lsn_has(L, arg, "sheets") && p.kind != SN_MULTIPENNATE)
+        (void)lsn_option_error(L, arg, "sheets", "only a multipennate muscle has several");
+    p.n_sheet = p.kind == SN_MULTIPENNATE ? lsn_opt_int(L, arg, "sheets", 2) : 0;
+    return p;
+}
+
 static int muscle_set_pennation(lua_State *L) /* m:set_pennation{kind=, angle=, sheets=}; nil: fusiform */
 {
     static const char *const keys[] = {"kind", "angle", "sheets", NULL};
     sn_scene *s;
-    int32_t i = lsn_find_muscle(L, 1, &s), kind = 0;
-    sn_pennation p = {0};
+    int32_t i = lsn_find_muscle(L, 1, &s);
     sn_error err;
     luaL_checkany(L, 2);
     lsn_check_keys(L, 2, keys);
-    const char *word = lsn_opt_string(L, 2, "kind", lua_isnil(L, 2) ? sn_architecture_name[0] : NULL);
-    if (!word) return lsn_option_error(L, 2, NULL, "option 'kind' is missing");
-    while (kind < SN_N_ARCHITECTURE && strcmp(word, sn_architecture_name[kind]) != 0) kind++;
-    if (kind == SN_N_ARCHITECTURE)
-        return lsn_option_error(L, 2, "kind", "unknown kind '%s' (%s)", word,
-                                lsn_push_known(L, word, sn_architecture_name));
-    p.kind = (sn_architecture)kind;
-    p.n_angle = read_numbers(L, 2, "angle", SN_PENNATION_ANGLES, p.angle_deg);
-    if (lsn_has(L, 2, "sheets") && p.kind != SN_MULTIPENNATE)
-        return lsn_option_error(L, 2, "sheets", "only a multipennate muscle has several");
-    p.n_sheet = p.kind == SN_MULTIPENNATE ? lsn_opt_int(L, 2, "sheets", 2) : 0;
+    if (lua_istable(L, 2) && !lsn_has(L, 2, "kind"))
+        return lsn_option_error(L, 2, NULL, "option 'kind' is missing");
+    sn_pennation p = lsn_read_pennation(L, 2);
     lsn_scene_must(L, s, sn_scene_set_pennation(s, i, &p, &err), &err);
     return 0;
 }

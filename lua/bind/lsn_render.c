@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const double default_skin_opacity = 0.3;
-enum { opts = 2 }; /* opts: the argument that holds the options */
+enum { opts = 2, default_fibers = 150, max_fibers = 100000 }; /* opts: the argument that holds the options */
 
 /* ---- what to show, background, clip ---- */
 
@@ -107,8 +107,8 @@ static void set_texts(lua_State *L, int image, const sn_camera *c, const char *r
 
 int lsn_scene_render(lua_State *L) /* scene:render{...} -> image */
 {
-    static const char *const keys[] = {"file",       "size",         "camera",  "show", "clip",
-                                       "background", "skin_opacity", "samples", NULL};
+    static const char *const keys[] = {"file",       "size",         "camera",  "show",        "clip",
+                                       "background", "skin_opacity", "samples", "fiber_count", NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     lua_settop(L, opts);
     lsn_check_keys(L, opts, keys);
@@ -118,6 +118,10 @@ int lsn_scene_render(lua_State *L) /* scene:render{...} -> image */
         return lsn_option_error(L, opts, "skin_opacity", "number in 0..1 expected, got %f", o.skin_opacity);
     if (lsn_has(L, opts, "samples") && (o.samples < 1 || o.samples > 4))
         return lsn_option_error(L, opts, "samples", "1..4 per pixel side expected, got %d", o.samples);
+    int32_t n_fiber = lsn_opt_int(L, opts, "fiber_count", default_fibers);
+    if (n_fiber < 1 || n_fiber > max_fibers)
+        return lsn_option_error(L, opts, "fiber_count", "1..%d lines per muscle expected, got %d",
+                                (int)max_fibers, n_fiber);
     lsn_read_size(L, opts, &o.width, &o.height);
     read_show(L, &o);
     for (int k = 0; k < 4; k++) o.background[k] = 1.0f;
@@ -129,7 +133,7 @@ int lsn_scene_render(lua_State *L) /* scene:render{...} -> image */
     sn_image *m = lsn_push_image(L);
     sn_picture_stats stats = {0};
     sn_error err;
-    lsn_scene_must(L, s, sn_scene_render(s, &o, &lsn_get_state(L)->run, m, &stats, &err), &err);
+    lsn_scene_must(L, s, sn_scene_render(s, &o, n_fiber, &lsn_get_state(L)->run, m, &stats, &err), &err);
     set_texts(L, lua_gettop(L), &o.camera, stats.renderer);
     lsn_account(L, 4 * (size_t)m->width * (size_t)m->height);
     if (stats.is_blank) lsn_warn(L, "%s%spicture is one flat colour", file ? file : "", file ? ": " : "");

@@ -310,17 +310,53 @@ static int report_gc(lua_State *L)
     return 0;
 }
 
+/* {bone=, area=, centroid=, distance=} of one end. */
+static void push_attachment(lua_State *L, const sn_scene *s, const sn_attachment *a)
+{
+    lua_createtable(L, 0, 4);
+    if (a->i_bone >= 0) {
+        lua_pushstring(L, sn_scene_bone_name(s, a->i_bone));
+        lua_setfield(L, -2, "bone");
+    }
+    lsn_set_number(L, "area", a->area);
+    lsn_set_point(L, "centroid", a->centroid);
+    lsn_set_number(L, "distance", a->distance);
+}
+
+/* origin and insertion: of the only head, or of the first; those of all heads in `heads`. */
+static void set_ends(lua_State *L, const sn_scene *s, const sn_muscle_report *m)
+{
+    static const char *const end[] = {"origin", "insertion"};
+    for (int k = 0; k < 2; k++) {
+        push_attachment(L, s, &m->end[k]);
+        lua_setfield(L, -2, end[k]);
+    }
+    if (m->n_head < 2) return;
+    lua_createtable(L, m->n_head, 0);
+    for (int32_t h = 0; h < m->n_head; h++) {
+        lua_createtable(L, 0, 2);
+        for (int k = 0; k < 2; k++) {
+            push_attachment(L, s, &m->end[2 * h + k]);
+            lua_setfield(L, -2, end[k]);
+        }
+        lua_rawseti(L, -2, h + 1);
+    }
+    lua_setfield(L, -2, "heads");
+}
+
 static void push_muscle_reports(lua_State *L, const sn_scene *s, const sn_scene_report *r)
 {
     lua_createtable(L, 0, r->n_muscle);
     for (int32_t i = 0; i < r->n_muscle; i++) {
         const sn_muscle_report *m = &r->muscle[i];
-        lua_createtable(L, 0, 5);
+        lua_createtable(L, 0, 14);
         lsn_set_number(L, "volume", m->volume);
         lsn_set_integer(L, "tets", m->tets);
         lsn_set_integer(L, "components", m->components);
         lsn_set_number(L, "length", m->length);
         lsn_set_number(L, "length_outside", m->length_outside);
+        set_ends(L, s, m);
+        if (m->has_fibers) lsn_set_architecture(L, &m->architecture);
         lua_setfield(L, -2, sn_scene_muscle(s, i)->name);
     }
 }

@@ -8,17 +8,21 @@
 
 enum { FLEXOR, EXTENSOR, ABDUCTOR }; /* its muscles, in the order added */
 
-static inline sn_scene *new_limb_scene(double skin_radius, double edge_length)
+static inline sn_scene *scene_with_skin(double radius)
 {
     sn_scene *s = NULL;
-    sn_error err = {.msg = ""};
-    sn_body_options opt = {.edge_length = edge_length};
-    sn_tri_mesh skin = made_capsule(sn_v3(0, -1.2, 0), sn_v3(0, 1.2, 0), skin_radius, 0.3);
+    sn_tri_mesh skin = made_capsule(sn_v3(0, -1.2, 0), sn_v3(0, 1.2, 0), radius, 0.3);
     assert_int_equal(sn_scene_create(&s, "limb", "cm", SN_UP_Y, NULL), SN_OK);
     assert_int_equal(sn_scene_set_skin(s, &skin, NULL), SN_OK);
-    if (sn_scene_tetrahedralize(s, &opt, NULL, NULL, &err)) fail_msg("%s", err.msg);
     sn_tri_mesh_free(&skin);
     return s;
+}
+
+static inline void mesh_scene(sn_scene *s, double edge_length)
+{
+    sn_error err = {.msg = ""};
+    if (sn_scene_tetrahedralize(s, &(sn_body_options){.edge_length = edge_length}, NULL, NULL, &err))
+        fail_msg("%s", err.msg);
 }
 
 static inline sn_scene *made_limb(void)
@@ -26,7 +30,7 @@ static inline sn_scene *made_limb(void)
     static const double front[] = {0, -1, 0.5, 0, 0, 0.6, 0, 1, 0.5},
                         back[] = {0, -1, -0.5, 0, 0, -0.6, 0, 1, -0.5},
                         side[] = {0.55, -0.8, 0, 0.55, 0.8, 0};
-    sn_scene *s = new_limb_scene(0.9, 0.3);
+    sn_scene *s = scene_with_skin(0.9);
     sn_tri_mesh upper = made_capsule(sn_v3(0, 0.3, 0), sn_v3(0, 1.2, 0), 0.2, 0.2);
     sn_tri_mesh lower = made_capsule(sn_v3(0, -1.2, 0), sn_v3(0, -0.3, 0), 0.2, 0.2);
     assert_int_equal(sn_scene_add_bone(s, "upper", &upper, NULL), SN_OK);
@@ -36,6 +40,7 @@ static inline sn_scene *made_limb(void)
     assert_int_equal(sn_scene_add_muscle(s, "abductor", side, NULL, 2, NULL), SN_OK);
     sn_tri_mesh_free(&upper);
     sn_tri_mesh_free(&lower);
+    mesh_scene(s, 0.3);
     return s;
 }
 

@@ -18,7 +18,9 @@
 static sn_csr laplacian_of(const sn_tet_mesh *m)
 {
     sn_csr a = {0};
-    assert_int_equal(sn_laplacian_build(&a, m, NULL, NULL), SN_OK);
+    sn_assembly s = {0};
+    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    sn_assembly_free(&s);
     assert_int_equal(a.n, m->n_vert);
     return a;
 }
@@ -84,7 +86,7 @@ static void laplacian_is_what_it_should_be(void **state)
     sn_tet_mesh_free(&m);
 }
 
-static void gradients_and_tets_around_vertices(void **state)
+static void gradients_of_barycentric_functions(void **state)
 {
     (void)state;
     sn_tet_mesh m = made_lattice(3, sn_v3(0, 0, 0), 1.0);
@@ -99,18 +101,67 @@ static void gradients_and_tets_around_vertices(void **state)
                 assert_true(fabs(sn_v3_dot(g[i], e) - ((k == i) - ((k + 1) % 4 == i))) < 1e-12);
             }
     }
-    sn_vertex_tets around;
-    assert_int_equal(sn_vertex_tets_build(&around, &m, NULL), SN_OK);
-    assert_int_equal(around.ptr[0], 0);
-    assert_int_equal(around.ptr[m.n_vert], 4 * m.n_tet);
-    for (int32_t v = 0; v < m.n_vert; v++)
-        for (int32_t i = around.ptr[v]; i < around.ptr[v + 1]; i++) {
-            const int32_t *c = m.tet + 4 * around.tet[i];
-            assert_true(c[0] == v || c[1] == v || c[2] == v || c[3] == v);
-            if (i > around.ptr[v]) assert_true(around.tet[i] > around.tet[i - 1]);
-        }
-    sn_vertex_tets_free(&around);
     sn_tet_mesh_free(&m);
+}
+
+static void the_assembly_knows_every_place(void **state)
+{
+    (void)state;
+    sn_tet_mesh m = made_lattice(4, sn_v3(0, 0, 0), 1.0);
+    sn_csr a = {0}, other = {0};
+    sn_assembly s = {0};
+    assert_int_equal(sn_laplacian_build(&a, &s, &m, &(sn_run){.n_threads = 1}, NULL), SN_OK);
+    for (int32_t t = 0; t < m.n_tet; t++)
+        for (int k = 0; k < 16; k++) {
+            int32_t row = m.tet[4 * t + k / 4];
+            assert_int_equal(a.ptr[row] + s.slot[16 * t + k], sn_csr_find(&a, row, m.tet[4 * t + k % 4]));
+        }
+    for (int n = 2; n < 4; n++) { /* over what is there, and with other threads */
+        assert_int_equal(sn_laplacian_build(&other, &s, &m, &(sn_run){.n_threads = n}, NULL), SN_OK);
+        assert_memory_equal(other.ptr, a.ptr, ((size_t)a.n + 1) * sizeof *a.ptr);
+        assert_memory_equal(other.idx, a.idx, (size_t)a.ptr[a.n] * sizeof *a.idx);
+        assert_memory_equal(other.val, a.val, (size_t)a.ptr[a.n] * sizeof *a.val);
+    }
+    sn_csr_free(&a);
+    sn_csr_free(&other);
+    sn_assembly_free(&s);
+    sn_assembly_free(&s);
+    sn_tet_mesh_free(&m);
+}
+
+/* n tets around the axis from vertex 0 to vertex 1. */
+static sn_tet_mesh fan_of(int32_t n)
+{
+    sn_tet_mesh m;
+    sn_tet_mesh_init(&m);
+    assert_int_equal(sn_tet_mesh_reserve(&m, n + 2, n, false, NULL), SN_OK);
+    sn_v3_store(m.pos, sn_v3(0, 0, 0));
+    sn_v3_store(m.pos + 3, sn_v3(0, 0, 1));
+    for (int32_t i = 0; i < n; i++) {
+        sn_v3_store(m.pos + 3 * (i + 2), sn_v3(cos(2 * TEST_PI * i / n), sin(2 * TEST_PI * i / n), 0));
+        const int32_t tet[4] = {0, 2 + i, 2 + (i + 1) % n, 1};
+        memcpy(m.tet + 4 * i, tet, sizeof tet);
+    }
+    return m;
+}
+
+static void a_vertex_with_very_many_neighbours(void **state)
+{
+    (void)state;
+    const int32_t n[2] = {4094, 4095}; /* and the other end of the axis, and itself */
+    sn_csr a = {0};
+    sn_assembly s = {0};
+    sn_error err;
+    for (int i = 0; i < 2; i++) {
+        sn_tet_mesh m = fan_of(n[i]);
+        sn_status st = sn_laplacian_build(&a, &s, &m, NULL, &err);
+        assert_int_equal(st, i ? SN_EINVAL : SN_OK);
+        if (!st) assert_int_equal(a.ptr[1], 4096);
+        if (!st) assert_true(a.val[sn_csr_find(&a, 0, 1)] < 0.0);
+        if (st) assert_string_equal(err.msg, "laplacian: a vertex has more than 4096 neighbours");
+        if (st) assert_true(!a.ptr && !a.val && !s.slot);
+        sn_tet_mesh_free(&m);
+    }
 }
 
 /* ---- Cholesky ---- */
@@ -727,7 +778,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(laplacian_of_one_tet),
         cmocka_unit_test(laplacian_is_what_it_should_be),
-        cmocka_unit_test(gradients_and_tets_around_vertices),
+        cmocka_unit_test(gradients_of_barycentric_functions),
+        cmocka_unit_test(the_assembly_knows_every_place),
+        cmocka_unit_test(a_vertex_with_very_many_neighbours),
         cmocka_unit_test(small_matrix),
         cmocka_unit_test(linear_functions_are_exact),
         cmocka_unit_test(field_between_spheres_converges),

@@ -391,6 +391,107 @@ static void errors_leave_the_scene_as_it_was(void **state)
     sn_scene_destroy(s);
 }
 
+/* Heads of 3 and 2 points. */
+static void heads_are_edited_one_by_one(void **state)
+{
+    (void)state;
+    sn_scene *s = new_scene();
+    sn_error err = {0};
+    const sn_head_points head[] = {{front, NULL, 3}, {side, (double[]){2, 3}, 2}};
+    const sn_paths *paths = NULL;
+    assert_message(sn_scene_add_heads(s, "calf", head, 0, &err), &err,
+                   "muscle 'calf': no heads, need 1 or more");
+    assert_message(sn_scene_add_heads(s, "calf", (sn_head_points[]){head[0], {side, NULL, 1}}, 2, &err), &err,
+                   "muscle 'calf', head 2: a curve has 1 point, need 2 or more");
+    assert_int_equal(sn_scene_muscle_count(s), 0);
+    assert_int_equal(sn_scene_add_heads(s, "calf", head, 2, NULL), SN_OK);
+    const sn_muscle *m = sn_scene_muscle(s, 0);
+    assert_int_equal(m->n_head, 2);
+    assert_int_equal(sn_scene_muscle_paths(s, 0, &paths, NULL), SN_OK);
+    assert_true(fabs(paths->head[1].length - 1.6) < 1e-9);
+    assert_int_equal(sn_scene_set_point(s, 0, 1, 1, sn_v3(0.55, 1.2, 0), NULL), SN_OK);
+    assert_int_equal(sn_scene_muscle_paths(s, 0, &paths, NULL), SN_OK);
+    assert_true(fabs(paths->head[1].length - 2.0) < 1e-9);
+    assert_int_equal(sn_scene_insert_point(s, 0, 1, 1, sn_v3(0.6, 0, 0), 5, NULL), SN_OK);
+    assert_true(m->head[0].n_point == 3 && m->head[1].n_point == 3 && m->head[1].tissue[1] == 5.0);
+    assert_int_equal(sn_scene_remove_point(s, 0, 1, 1, NULL), SN_OK);
+    assert_int_equal(sn_scene_set_tissue(s, 0, 1, 0, 7, NULL), SN_OK);
+    assert_true(m->head[1].tissue[0] == 7.0 && m->head[0].tissue[0] == 1.0);
+    uint64_t revision = sn_scene_revision(s);
+    assert_message(sn_scene_set_point(s, 0, 2, 0, sn_v3(0, 0, 0), &err), &err,
+                   "muscle 'calf': head 3, need 1..2");
+    assert_message(sn_scene_set_point(s, 0, -1, 0, sn_v3(0, 0, 0), &err), &err,
+                   "muscle 'calf': head 0, need 1..2");
+    assert_message(sn_scene_set_point(s, 0, 1, 2, sn_v3(0, 0, 0), &err), &err,
+                   "muscle 'calf', head 2: point 3, need 1..2");
+    assert_message(sn_scene_remove_point(s, 0, 1, 0, &err), &err,
+                   "muscle 'calf', head 2: has 2 points, the fewest a curve can have");
+    assert_message(sn_scene_set_tissue(s, 0, 1, 0, -1, &err), &err,
+                   "muscle 'calf', head 2: tissue of point 1 is -1, need > 0");
+    /* The third point of all heads: the second has none, so the first is not changed, either. */
+    assert_message(sn_scene_set_tissue(s, 0, -1, 2, 9, &err), &err,
+                   "muscle 'calf', head 2: point 3, need 1..2");
+    assert_true(m->head[0].tissue[2] == 1.0);
+    assert_int_equal(sn_scene_revision(s), revision);
+    assert_int_equal(sn_scene_set_tissue(s, 0, -1, 1, 9, NULL), SN_OK);
+    assert_true(m->head[0].tissue[1] == 9.0 && m->head[1].tissue[1] == 9.0 && m->head[1].tissue[0] == 7.0);
+    assert_int_equal(sn_scene_set_tissue(s, 0, -1, -1, 4, NULL), SN_OK);
+    assert_true(m->head[0].tissue[0] == 4.0 && m->head[1].tissue[0] == 4.0);
+    sn_scene_destroy(s);
+}
+
+/* Both heads of one muscle pull its function up; the curve of a head is no zero for the other. */
+static void heads_make_one_tissue(void **state)
+{
+    (void)state;
+    sn_scene *s = limb();
+    double value[5];
+    bool inside;
+    assert_int_equal(sn_scene_remove_muscle(s, "flexor", NULL), SN_OK);
+    assert_int_equal(sn_scene_remove_muscle(s, "abductor", NULL), SN_OK);
+    assert_int_equal(
+        sn_scene_add_heads(s, "two", (sn_head_points[]){{front, NULL, 3}, {side, NULL, 2}}, 2, NULL), SN_OK);
+    sn_solve_report r = solve(s);
+    assert_int_equal(r.tissue.n_solved, 3);
+    const sn_vec3 on_curve[] = {{0, 0, 0.6}, {0.55, 0, 0}};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(sn_scene_values_at(s, on_curve[i], NULL, value, &inside, NULL), SN_OK);
+        assert_true(inside && value[2] > 0.7 && value[2] < 1.3 && value[1] < 0.2);
+    }
+    sn_scene_destroy(s);
+}
+
+/* Wishes that are no geometry leave the fields as they are. */
+static void pennation_and_tendon_need_no_solve(void **state)
+{
+    (void)state;
+    sn_scene *s = limb();
+    sn_error err = {0};
+    solve(s);
+    uint64_t revision = sn_scene_revision(s);
+    const sn_pennation p = {.kind = SN_UNIPENNATE, .angle_deg = {15}, .n_angle = 1},
+                       bad = {.kind = SN_UNIPENNATE};
+    assert_int_equal(sn_scene_set_pennation(s, 1, &p, NULL), SN_OK);
+    assert_int_equal(sn_scene_set_tendon(s, 1, &(sn_tendon){0.2, 0.0}, NULL), SN_OK);
+    assert_true(sn_scene_revision(s) > revision); /* files and pictures of fibers may change */
+    assert_non_null(sn_scene_fields(s));
+    assert_int_equal(sn_scene_muscle(s, 1)->pennation.kind, SN_UNIPENNATE);
+    assert_true(sn_scene_muscle(s, 1)->tendon.length == 0.2);
+    revision = sn_scene_revision(s);
+    assert_message(sn_scene_set_pennation(s, 1, &bad, &err), &err, "muscle 'extensor': 0 pennation angles");
+    assert_message(sn_scene_set_pennation(s, 3, &p, &err), &err, "muscle 4, need 1..3");
+    assert_message(sn_scene_set_tendon(s, 1, &(sn_tendon){-1, 0}, &err), &err,
+                   "muscle 'extensor': tendon length");
+    assert_message(sn_scene_set_tendon(s, -1, &(sn_tendon){0, 0}, &err), &err, "muscle 0, need 1..3");
+    assert_message(sn_scene_set_anisotropy(s, 0, &(sn_anisotropy){.is_on = true}, &err), &err,
+                   "muscle 'flexor': eigenvalue 1 is 0, need > 0");
+    assert_message(sn_scene_set_anisotropy(s, 7, &(sn_anisotropy){0}, &err), &err, "muscle 8, need 1..3");
+    const sn_paths *paths = NULL;
+    assert_message(sn_scene_muscle_paths(s, 3, &paths, &err), &err, "muscle 4, need 1..3");
+    assert_int_equal(sn_scene_revision(s), revision);
+    sn_scene_destroy(s);
+}
+
 static void steps_say_what_is_missing(void **state)
 {
     (void)state;
@@ -759,6 +860,9 @@ int main(void)
         cmocka_unit_test(names_are_checked),
         cmocka_unit_test(the_nearest_name_is_suggested),
         cmocka_unit_test(errors_leave_the_scene_as_it_was),
+        cmocka_unit_test(heads_are_edited_one_by_one),
+        cmocka_unit_test(heads_make_one_tissue),
+        cmocka_unit_test(pennation_and_tendon_need_no_solve),
         cmocka_unit_test(steps_say_what_is_missing),
         cmocka_unit_test(curves_outside_are_noted_or_refused),
         cmocka_unit_test(points_know_their_tissue),

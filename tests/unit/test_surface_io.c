@@ -1,63 +1,12 @@
 /* test_surface_io.c - reading and writing of surfaces: each format's forms, every message, hostile files. */
 #define _DEFAULT_SOURCE /* mkdtemp */
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "temp_folder.h"
+#include "failing_memory.h"
 
 #include "base/alloc.h"
 #include "base/file.h"
 #include "mesh/surface_io.h"
-
-#include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-static char folder[] = "/tmp/sn_surface_io_XXXXXX";
-
-static const char *in_folder(const char *name)
-{
-    static char path[512];
-    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int count_files(void)
-{
-    int n = 0;
-    DIR *d = opendir(folder);
-    for (struct dirent *e; (e = readdir(d));) n += e->d_name[0] != '.';
-    (void)closedir(d);
-    return n;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *d = opendir(folder);
-    for (struct dirent *e; (e = readdir(d));)
-        if (e->d_name[0] != '.') (void)remove(in_folder(e->d_name));
-    (void)closedir(d);
-    return rmdir(folder);
-}
-
-static void put_file(const char *name, const void *data, size_t size)
-{
-    FILE *f = fopen(in_folder(name), "wb");
-    assert_non_null(f);
-    assert_int_equal(fwrite(data, 1, size, f), size);
-    assert_int_equal(fclose(f), 0);
-}
 
 static void check_close(double found, double want, double tol)
 {
@@ -827,23 +776,6 @@ static void garbage_is_refused_or_valid(void **state)
 }
 
 /* ---- Memory ---- */
-
-typedef struct failing {
-    int left, n_alive;
-} failing;
-
-static void *failing_realloc(void *user, void *p, size_t size)
-{
-    failing *f = user;
-    if (size == 0) {
-        f->n_alive -= p != NULL;
-        free(p);
-        return NULL;
-    }
-    if (f->left-- <= 0) return NULL;
-    f->n_alive += p == NULL;
-    return realloc(p, size);
-}
 
 static void every_failed_allocation_is_clean(void **state)
 {

@@ -13,17 +13,22 @@
 static sn_csr laplacian_of(const sn_tet_mesh *m)
 {
     sn_csr a = {0};
-    assert_int_equal(sn_laplacian_build(&a, m, NULL, NULL), SN_OK);
+    sn_assembly s = {0};
+    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    sn_assembly_free(&s);
     return a;
 }
 
 /* The Laplacian with these frames and eigenvalues. */
 static sn_csr anisotropic_of(const sn_tet_mesh *m, const sn_triad *frame, const double eigenvalue[3])
 {
-    sn_csr a = laplacian_of(m);
+    sn_csr a = {0};
+    sn_assembly s = {0};
     double *tensor = malloc(6 * (size_t)m->n_vert * sizeof *tensor);
     sn_tensor_field(frame, m->n_vert, eigenvalue, tensor);
-    assert_int_equal(sn_laplacian_set_anisotropic(&a, m, tensor, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    sn_laplacian_set_anisotropic(&a, &s, m, tensor);
+    sn_assembly_free(&s);
     free(tensor);
     return a;
 }
@@ -355,9 +360,6 @@ static void short_of_memory(void **state)
     volatile sig_atomic_t cancel = 1;
     run.cancel = &cancel;
     assert_int_equal(sn_frame_field(h, &x.body.mesh, &x.row, &x.paths, &run, x.frame, &err), SN_ECANCEL);
-    double *tensor = calloc(6 * (size_t)x.body.mesh.n_vert, sizeof *tensor);
-    assert_int_equal(sn_laplacian_set_anisotropic(&l, &x.body.mesh, tensor, &run, &err), SN_ECANCEL);
-    free(tensor);
     sn_harmonic_destroy(h);
     sn_csr_free(&l);
     free_spread(&x);
@@ -504,7 +506,8 @@ static void faster_means_wider(void **state)
     (void)state;
     const double up[] = {0, -0.8, 0, 0, 0.8, 0};
     double x, z, other_x, other_z;
-    sn_scene *s = new_limb_scene(0.9, 0.18);
+    sn_scene *s = scene_with_skin(0.9);
+    mesh_scene(s, 0.18);
     assert_int_equal(sn_scene_add_muscle(s, "m", up, NULL, 2, NULL), SN_OK);
     widths(s, &x, &z);
     assert_true(fabs(x / z - 1.0) < 0.1);

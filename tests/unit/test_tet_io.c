@@ -1,68 +1,12 @@
 /* test_tet_io.c - reading and writing of tet meshes: each format, every message, hostile files. */
 #define _DEFAULT_SOURCE /* mkdtemp */
 
-#include <stdarg.h>
-#include <stddef.h>
-#include <setjmp.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "temp_folder.h"
+#include "failing_memory.h"
 
 #include "base/alloc.h"
 #include "base/file.h"
 #include "mesh/tet_io.h"
-
-#include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-static char folder[] = "/tmp/sn_tet_io_XXXXXX";
-
-static const char *in_folder(const char *name)
-{
-    static char path[512];
-    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int count_files(void)
-{
-    int n = 0;
-    DIR *d = opendir(folder);
-    for (struct dirent *e; (e = readdir(d));) n += e->d_name[0] != '.';
-    (void)closedir(d);
-    return n;
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    DIR *d = opendir(folder);
-    for (struct dirent *e; (e = readdir(d));)
-        if (e->d_name[0] != '.') (void)remove(in_folder(e->d_name));
-    (void)closedir(d);
-    return rmdir(folder);
-}
-
-static void put_file(const char *name, const void *data, size_t size)
-{
-    FILE *f = fopen(in_folder(name), "wb");
-    assert_non_null(f);
-    assert_int_equal(fwrite(data, 1, size, f), size);
-    assert_int_equal(fclose(f), 0);
-}
-
-static void put_text(const char *name, const char *text)
-{
-    put_file(name, text, strlen(text));
-}
 
 /* Every accepted mesh must hold to its own rules; a refused one must leave nothing. */
 static sn_status load_text(sn_tet_mesh *m, const char *name, const char *text, size_t size, sn_error *err)
@@ -137,21 +81,14 @@ static void check_same(const sn_tet_mesh *a, const sn_tet_mesh *b)
     if (a->part) assert_memory_equal(a->part, b->part, 4 * (size_t)a->n_tet);
 }
 
-static char *file_text(const char *name)
-{
-    char *data = NULL;
-    size_t size = 0;
-    sn_error err = {0};
-    assert_int_equal(sn_file_read(in_folder(name), &data, &size, &err), SN_OK);
-    return data;
-}
-
 static const char *const three_names[] = {"fat", "m. biceps & <co>",
                                           "\xC3\xBC"
                                           "ber"};
 static const double vert_field[15] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 0.1};
 static const double tet_field[2] = {0.25, -1e-9};
-static const sn_tet_field two_fields[] = {{"fiber", vert_field, 3, false}, {"stretch", tet_field, 1, true}};
+static const sn_tet_field two_fields[] = {
+    {.name = "fiber", .values = vert_field, .n_comp = 3},
+    {.name = "stretch", .values = tet_field, .n_comp = 1, .per_tet = true}};
 
 static void same_bits_come_back(void **state)
 {
@@ -204,8 +141,9 @@ static void text_is_as_written_here(void **state)
 {
     (void)state;
     static const char *const names[] = {"skin", "m. soleus"};
-    const sn_tet_field f = {"a", unit_pos, 1, true};
-    const sn_tet_extras x = {names, 2, &f, 1, true};
+    const sn_tet_field f[2] = {{.name = "a", .values = unit_pos, .n_comp = 1, .per_tet = true},
+                               {.name = "n", .values = unit_pos, .n_comp = 3, .is_int = true}};
+    const sn_tet_extras x = {names, 2, f, 2, true};
     static const char *const want[][2] = {
         {"u.mesh",
          "MeshVersionFormatted 2\n# tissue 1 skin\n# tissue 2 m. soleus\nDimension 3\nVertices\n4\n0 0 0 0\n"
@@ -214,7 +152,8 @@ static void text_is_as_written_here(void **state)
         {"u.msh",
          "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"skin\"\n3 2 \"m. soleus\"\n"
          "$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n"
-         "1 4 2 2 2 1 2 3 4\n$EndElements\n"},
+         "1 4 2 2 2 1 2 3 4\n$EndElements\n$ElementData\n1\n\"a\"\n1\n0.0\n3\n0\n1\n1\n1 0\n$EndElementData\n"
+         "$NodeData\n1\n\"n\"\n1\n0.0\n3\n0\n3\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodeData\n"},
         {"u.vtu",
          "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
          "byte_order=\"LittleEndian\" "
@@ -223,7 +162,8 @@ static void text_is_as_written_here(void **state)
          "NumberOfTuples=\"2\" format=\"ascii\">\n115 107 105 110 0\n109 46 32 115 111 108 101 117 115 "
          "0\n</DataArray>\n"
          "</FieldData>\n<Piece NumberOfPoints=\"4\" "
-         "NumberOfCells=\"1\">\n<PointData>\n</PointData>\n<CellData>\n"
+         "NumberOfCells=\"1\">\n<PointData>\n<DataArray type=\"Int32\" Name=\"n\" NumberOfComponents=\"3\" "
+         "format=\"ascii\">\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n</DataArray>\n</PointData>\n<CellData>\n"
          "<DataArray type=\"Int32\" Name=\"tissue\" format=\"ascii\">\n1\n</DataArray>\n"
          "<DataArray type=\"Float64\" Name=\"a\" format=\"ascii\">\n0\n</DataArray>\n</CellData>\n<Points>\n"
          "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"ascii\">\n0 0 0\n1 0 "
@@ -261,6 +201,80 @@ static void names_made_up_and_left_out(void **state)
     text = file_text("n.msh");
     assert_non_null(strstr(text, "\n1 4 2 0 1 1 2 3 4\n"));
     sn_release(text);
+}
+
+/* The numbers behind a section's head must have the bits of the field, each row behind its number. */
+static void check_rows(const char *text, const char *head, const double *want, int n_row, int n_comp)
+{
+    const char *p = strstr(text, head);
+    assert_non_null(p);
+    p += strlen(head);
+    for (int i = 0; i < n_row; i++) {
+        double v = sn_parse_double(p, &p);
+        assert_true(v == i + 1);
+        for (int k = 0; k < n_comp; k++) {
+            v = sn_parse_double(p, &p);
+            assert_memory_equal(&v, &want[i * n_comp + k], sizeof v);
+        }
+        assert_int_equal(*p++, '\n');
+    }
+    assert_memory_equal(p, "$End", 4);
+}
+
+static void gmsh_fields_come_back(void **state)
+{
+    (void)state;
+    static const double whole[6] = {-2147483648.0, 2147483647.0, 0, 1, 2, 3};
+    const sn_tet_field f[3] = {two_fields[0], two_fields[1], {"id", whole, 3, true, true}};
+    sn_tet_mesh m;
+    sn_error err = {0};
+    make_two(&m);
+    assert_int_equal(
+        sn_tet_mesh_save(&m, &(sn_tet_extras){.field = f, .n_field = 3}, in_folder("g.msh"), &err), SN_OK);
+    char *text = file_text("g.msh");
+    check_rows(text, "$NodeData\n1\n\"fiber\"\n1\n0.0\n3\n0\n3\n5\n", vert_field, 5, 3);
+    check_rows(text, "$ElementData\n1\n\"stretch\"\n1\n0.0\n3\n0\n1\n2\n", tet_field, 2, 1);
+    check_rows(text, "$ElementData\n1\n\"id\"\n1\n0.0\n3\n0\n3\n2\n", whole, 2, 3);
+    assert_non_null(strstr(text, "\n1 -2147483648 2147483647 0\n"));
+    sn_release(text);
+    sn_tet_mesh_free(&m);
+}
+
+/* Base64 of the length (8 bytes: 8) and of the Int32 values -1 and 65536, worked out by hand: the bytes are
+ * 08 00 00 00 00 00 00 00 FF FF FF FF 00 00 01 00. */
+static void vtu_whole_numbers_are_int32(void **state)
+{
+    (void)state;
+    static const double whole[2] = {-1, 65536};
+    const sn_tet_field f = {"id", whole, 1, true, true};
+    sn_tet_mesh m;
+    sn_error err = {0};
+    make_two(&m);
+    assert_int_equal(
+        sn_tet_mesh_save(&m, &(sn_tet_extras){.field = &f, .n_field = 1}, in_folder("i.vtu"), &err), SN_OK);
+    char *text = file_text("i.vtu");
+    assert_non_null(strstr(text, "<DataArray type=\"Int32\" Name=\"id\" format=\"binary\">\n"
+                                 "CAAAAAAAAAD/////AAABAA==\n</DataArray>\n</CellData>"));
+    sn_release(text);
+    sn_tet_mesh_free(&m);
+}
+
+/* MEDIT has no place for fields: the bytes are those without. */
+static void medit_leaves_fields_out(void **state)
+{
+    (void)state;
+    sn_tet_mesh m;
+    sn_error err = {0};
+    make_two(&m);
+    assert_int_equal(sn_tet_mesh_save(&m, NULL, in_folder("p.mesh"), &err), SN_OK);
+    assert_int_equal(
+        sn_tet_mesh_save(&m, &(sn_tet_extras){.field = two_fields, .n_field = 2}, in_folder("q.mesh"), &err),
+        SN_OK);
+    char *plain = file_text("p.mesh"), *other = file_text("q.mesh");
+    assert_string_equal(plain, other);
+    sn_release(plain);
+    sn_release(other);
+    sn_tet_mesh_free(&m);
 }
 
 /* The face between the two parts is there once, with the lower part's reference: 3 + 3 + 1. */
@@ -333,7 +347,8 @@ static void refused_meshes(void **state)
 static void check_field_refused(const char *name, const double *values, int n_comp, bool per_tet,
                                 const char *part)
 {
-    const sn_tet_field f[2] = {{"ok", unit_pos, 1, false}, {name, values, n_comp, per_tet}};
+    const sn_tet_field f[2] = {{.name = "ok", .values = unit_pos, .n_comp = 1},
+                               {.name = name, .values = values, .n_comp = n_comp, .per_tet = per_tet}};
     check_refused(&unit, &(sn_tet_extras){.field = f, .n_field = 2}, "x.vtu", part);
 }
 
@@ -357,6 +372,20 @@ static void refused_extras(void **state)
                         "field 2 needs a name without quotes and control characters, other than");
     check_field_refused(NULL, unit_pos, 1, true, "field 2 needs a name");
     check_field_refused("ok", unit_pos, 1, false, "two fields are named 'ok'");
+}
+
+static void refused_whole_numbers(void **state)
+{
+    (void)state;
+    static const double half[4] = {0, 0, 0.5, 0}, big[1] = {2147483648.0}, small[3] = {0, -2147483649.0, 0};
+    const sn_tet_field f[3] = {
+        {"f", half, 1, false, true}, {"f", big, 1, true, true}, {"f", small, 3, true, true}};
+    check_refused(&unit, &(sn_tet_extras){.field = &f[0], .n_field = 1}, "x.vtu",
+                  "field 'f' is 0.5 at vertex 3, need a whole number of 32 bits");
+    check_refused(&unit, &(sn_tet_extras){.field = &f[1], .n_field = 1}, "x.msh",
+                  "field 'f' is 2147483648 at tet 1, need a whole number of 32 bits");
+    check_refused(&unit, &(sn_tet_extras){.field = &f[2], .n_field = 1}, "x.mesh",
+                  "field 'f' is -2147483649 at tet 1, need");
 }
 
 /* ---- MEDIT ---- */
@@ -636,23 +665,6 @@ static void damaged_files_are_refused_or_valid(void **state)
 
 /* ---- Memory ---- */
 
-typedef struct failing {
-    int left, n_alive;
-} failing;
-
-static void *failing_realloc(void *user, void *p, size_t size)
-{
-    failing *f = user;
-    if (size == 0) {
-        f->n_alive -= p != NULL;
-        free(p);
-        return NULL;
-    }
-    if (f->left-- <= 0) return NULL;
-    f->n_alive += p == NULL;
-    return realloc(p, size);
-}
-
 static void every_failed_allocation_is_clean(void **state)
 {
     (void)state;
@@ -689,9 +701,13 @@ int main(void)
         cmocka_unit_test(same_mesh_gives_same_bytes),
         cmocka_unit_test(text_is_as_written_here),
         cmocka_unit_test(names_made_up_and_left_out),
+        cmocka_unit_test(gmsh_fields_come_back),
+        cmocka_unit_test(vtu_whole_numbers_are_int32),
+        cmocka_unit_test(medit_leaves_fields_out),
         cmocka_unit_test(medit_borders),
         cmocka_unit_test(refused_meshes),
         cmocka_unit_test(refused_extras),
+        cmocka_unit_test(refused_whole_numbers),
         cmocka_unit_test(medit_forms),
         cmocka_unit_test(medit_messages),
         cmocka_unit_test(tetgen_forms),

@@ -1,0 +1,129 @@
+/* Lines along the fibers of a part. */
+#include "extract/part_fibers.h"
+
+#include "base/alloc.h"
+#include "tetra/locate.h"
+
+enum { steps_per_curve = 128, max_steps = 4096, bisections = 12 };
+#define KINK_COS 0.3 /* neighbouring steps that turn more than this have met an aponeurosis */
+
+typedef struct tracer {
+    const sn_part_fibers *part;
+    sn_tet_mesh mesh; /* of the part alone, in the order of part->tet */
+    sn_locator *locator;
+    double step;
+} tracer;
+
+/* The direction at p, towards the insertion for sign 1; false outside of the belly. */
+static bool direction_at(const tracer *t, sn_vec3 p, double sign, sn_vec3 *d, double *u)
+{
+    int32_t i = sn_locator_find(t->locator, p, NULL);
+    const sn_part_fibers *f = t->part;
+    if (i < 0 || (f->has_tendon && sn_tendons_at(&f->tendons, &f->fibers.paths, p) > 0.0)) return false;
+    *d = sn_v3_scale(sign, sn_fibers_at(&f->fibers, f->source[i], p, u));
+    return true;
+}
+
+/* The last point of the belly on the way from p, which is in it, along d. */
+static sn_vec3 way_out(const tracer *t, sn_vec3 p, sn_vec3 d, double length)
+{
+    double lo = 0.0, hi = length, u;
+    for (int i = 0; i < bisections; i++) {
+        double mid = 0.5 * (lo + hi);
+        sn_vec3 unused;
+        if (direction_at(t, sn_v3_mad(p, mid, d), 1.0, &unused, &u))
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return sn_v3_mad(p, lo, d);
+}
+
+/* From p on, by the midpoint rule, to the border of the belly; p itself is not added. */
+static sn_status follow(const tracer *t, sn_vec3 p, double sign, sn_polylines *out, sn_error *err)
+{
+    double u = 0.0;
+    sn_vec3 d, mid, next, last;
+    if (!direction_at(t, p, sign, &d, &u)) return SN_OK;
+    last = d;
+    for (int i = 0; i < max_steps; i++) {
+        bool is_in = direction_at(t, sn_v3_mad(p, 0.5 * t->step, d), sign, &mid, &u);
+        if (is_in && sn_v3_dot(mid, last) < KINK_COS) return SN_OK;
+        if (!is_in) mid = d;
+        next = sn_v3_mad(p, t->step, mid);
+        if (!is_in || !direction_at(t, next, sign, &d, &u)) {
+            next = way_out(t, p, mid, t->step);
+            return sn_v3_dist(next, p) > 1e-3 * t->step ? sn_polylines_add(out, next, u, err) : SN_OK;
+        }
+        if (sn_v3_dot(d, mid) < KINK_COS) return SN_OK;
+        sn_status st = sn_polylines_add(out, next, u, err);
+        if (st) return st;
+        p = next;
+        last = mid;
+    }
+    return SN_OK;
+}
+
+static sn_status trace_line(const tracer *t, sn_vec3 seed, sn_polylines *out, sn_error *err)
+{
+    double u = 0.0;
+    sn_vec3 unused;
+    if (!direction_at(t, seed, 1.0, &unused, &u)) return SN_OK;
+    sn_status st = sn_polylines_begin(out, t->part->tissue, err);
+    if (!st) st = follow(t, seed, -1.0, out, err);
+    if (!st) sn_polylines_reverse_last(out);
+    if (!st) st = sn_polylines_add(out, seed, u, err);
+    if (!st) st = follow(t, seed, 1.0, out, err);
+    if (!st && out->first[out->n_line] - out->first[out->n_line - 1] < 2) sn_polylines_drop_last(out);
+    return st;
+}
+
+static sn_vec3 centre_of(const sn_tet_mesh *m, int32_t i)
+{
+    sn_vec3 p = {0};
+    for (int k = 0; k < 4; k++)
+        p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(m, m->tet[4 * (size_t)i + (size_t)k]));
+    return p;
+}
+
+/* Seeds: the tets in their order, which goes through space, cut into n runs of equal volume of belly; the
+ * middle of each. */
+static sn_status trace_all(const tracer *t, int32_t n, const sn_run *run, sn_polylines *out, sn_error *err)
+{
+    const sn_part_fibers *f = t->part;
+    double total = 0.0, done = 0.0, *volume = SN_NEW(double, t->mesh.n_tet);
+    if (!volume) return sn_fail(err, SN_ENOMEM, "fibers: no memory");
+    for (int32_t i = 0; i < t->mesh.n_tet; i++) {
+        bool is_tendon =
+            f->has_tendon && sn_tendons_at(&f->tendons, &f->fibers.paths, centre_of(&t->mesh, i)) > 0.0;
+        volume[i] = is_tendon ? 0.0 : sn_tet_mesh_tet_volume(&t->mesh, i);
+        total += volume[i];
+    }
+    sn_status st = SN_OK;
+    int32_t k = 0;
+    for (int32_t i = 0; i < t->mesh.n_tet && k < n && !st; i++) {
+        done += volume[i];
+        while (!st && k < n && volume[i] > 0.0 && done >= total * (k + 0.5) / n) {
+            if (k % 64 == 0) st = sn_run_step(run, "tracing fibers", (double)k / n, err);
+            if (!st) st = trace_line(t, centre_of(&t->mesh, i), out, err);
+            k++;
+        }
+    }
+    sn_release(volume);
+    return st;
+}
+
+sn_status sn_part_fibers_lines(const sn_part_fibers *p, const sn_extraction *x, int32_t n, const sn_run *run,
+                               sn_polylines *out, sn_error *err)
+{
+    tracer t = {.part = p, .step = INFINITY};
+    sn_tet_mesh_init(&t.mesh);
+    for (int32_t h = 0; h < p->fibers.paths.n_head; h++)
+        t.step = fmin(t.step, p->fibers.paths.head[h].length / steps_per_curve);
+    sn_status st = sn_extraction_part(x, p->tissue, &t.mesh, err);
+    if (!st) st = sn_locator_create(&t.locator, &t.mesh, err);
+    if (!st) st = trace_all(&t, n, run, out, err);
+    sn_locator_destroy(t.locator);
+    sn_tet_mesh_free(&t.mesh);
+    return st;
+}

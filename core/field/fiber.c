@@ -1,0 +1,449 @@
+#include "field/fiber.h"
+
+#include "base/alloc.h"
+#include "field/cholesky.h"
+#include "tetra/trace.h"
+
+#include <string.h>
+
+#define ALPHA 5.0        /* weight of the curve's direction, as in the tissue functions          */
+#define LEAST_SHARE 1e-3 /* a tet with less counts as this much: the matrix stays well behaved   */
+#define ANCHOR_REL 1e-8  /* of the mean diagonal: holds pieces that reach no end to the curve    */
+#define END_REL 0.03     /* of the curve: how much of a muscle that stops short counts as its end */
+
+/* ---- the tets that take part ---- */
+
+static sn_status find_part(sn_fibers *f, const sn_tet_mesh *body, const double *share, const char *name,
+                           sn_error *err)
+{
+    int32_t n_tet = 0, n_vert = 0, *number = SN_NEW_ZERO(int32_t, body->n_vert);
+    f->tet_of = SN_NEW(int32_t, body->n_tet);
+    if (!number || !f->tet_of) {
+        sn_release(number);
+        return sn_fail(err, SN_ENOMEM, "fibers of muscle '%s': no memory", name);
+    }
+    for (int32_t t = 0; t < body->n_tet; t++) {
+        f->tet_of[t] = share[t] > 0.0 ? n_tet++ : -1;
+        for (int k = 0; k < 4 && share[t] > 0.0; k++) number[body->tet[4 * (size_t)t + (size_t)k]] = 1;
+    }
+    for (int32_t v = 0; v < body->n_vert; v++) number[v] = number[v] ? n_vert++ : -1;
+    sn_status st = n_tet > 0 ? sn_tet_mesh_reserve(&f->mesh, n_vert, n_tet, false, err)
+                             : sn_fail(err, SN_EINVAL, "fibers of muscle '%s': it is empty", name);
+    f->share = SN_NEW(double, n_tet);
+    if (!st && !f->share) st = sn_fail(err, SN_ENOMEM, "fibers of muscle '%s': no memory", name);
+    for (int32_t v = 0; !st && v < body->n_vert; v++)
+        if (number[v] >= 0) sn_v3_store(f->mesh.pos + 3 * (size_t)number[v], sn_tet_mesh_point(body, v));
+    for (int32_t t = 0; !st && t < body->n_tet; t++) {
+        if (f->tet_of[t] < 0) continue;
+        f->share[f->tet_of[t]] = fmax(share[t], LEAST_SHARE);
+        for (size_t k = 0; k < 4; k++)
+            f->mesh.tet[4 * (size_t)f->tet_of[t] + k] = number[body->tet[4 * (size_t)t + k]];
+    }
+    sn_release(number);
+    return st;
+}
+
+/* ---- places of the vertices ---- */
+
+/* From 0 at the origin to 1 at the insertion; beyond, outside of that. */
+static double progress(const sn_fibers *f, const sn_curve_place *p)
+{
+    return p->arc / f->paths.head[p->head].length;
+}
+
+/* ---- ends ---- */
+
+typedef struct ends {
+    double first, last; /* the range of progress of one head's vertices */
+} ends;
+
+static void find_ends(const sn_fibers *f, const sn_curve_place *place, ends *e)
+{
+    for (int32_t h = 0; h < f->paths.n_head; h++) e[h] = (ends){INFINITY, -INFINITY};
+    for (int32_t v = 0; v < f->mesh.n_vert; v++) {
+        ends *of = &e[place[v].head];
+        of->first = fmin(of->first, progress(f, &place[v]));
+        of->last = fmax(of->last, progress(f, &place[v]));
+    }
+}
+
+/* The vertices of the tet nearest to the insertion's end point, and what lies as near. */
+static double insertion_radius(const sn_fibers *f, sn_vec3 end)
+{
+    double near = INFINITY;
+    for (int32_t v = 0; v < f->mesh.n_vert; v++)
+        near = fmin(near, sn_v3_dist(sn_tet_mesh_point(&f->mesh, v), end));
+    return 2.0 * near + 0.02 * f->paths.head[0].length;
+}
+
+/* value[v]: u where it is given; NAN where it is free. */
+static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends *e, double *value)
+{
+    bool to_point = f->pennation.kind == SN_CONVERGENT;
+    sn_vec3 end = sn_path_point(&f->paths.head[0], f->paths.head[0].length);
+    double radius = to_point ? insertion_radius(f, end) : 0.0;
+    for (int32_t v = 0; v < f->mesh.n_vert; v++) {
+        const ends *of = &e[place[v].head];
+        double t = progress(f, &place[v]), first = of->first > 0.0 ? of->first + END_REL : 0.0;
+        double last = of->last < 1.0 ? of->last - END_REL : 1.0;
+        double to_end = sn_v3_dist(sn_tet_mesh_point(&f->mesh, v), end);
+        value[v] = NAN;
+        if (t <= first || (!to_point && t >= last)) value[v] = t;
+        if (to_point && to_end <= radius) value[v] = 1.0 - to_end / f->paths.head[place[v].head].length;
+    }
+}
+
+/* ---- the field ---- */
+
+typedef struct fiber_system {
+    sn_csr matrix;
+    sn_assembly assembly;
+    sn_curve_place *place; /* n_vert */
+    ends *end;             /* n_head */
+    double *fixed, *rhs;   /* n_vert; fixed: NAN where free */
+    int32_t *number;       /* n_vert: unknown, or -1 */
+    int32_t n_free;
+    sn_cholesky *cholesky;
+} fiber_system;
+
+static void free_system(fiber_system *s)
+{
+    sn_csr_free(&s->matrix);
+    sn_assembly_free(&s->assembly);
+    sn_release(s->place);
+    sn_release(s->end);
+    sn_release(s->fixed);
+    sn_release(s->rhs);
+    sn_release(s->number);
+    sn_cholesky_destroy(s->cholesky);
+}
+
+/* Adds alpha |n . grad u|^2 of one tet, in normalized lengths. */
+static void add_normal(fiber_system *s, const sn_tet_mesh *m, int32_t t, sn_vec3 n, double size)
+{
+    sn_vec3 g[4];
+    const int32_t *v = m->tet + 4 * (size_t)t;
+    (void)sn_tet_gradients(m, t, g);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++)
+            s->matrix.val[sn_csr_find(&s->matrix, v[i], v[k])] +=
+                ALPHA * size * sn_v3_dot(n, g[i]) * size * sn_v3_dot(n, g[k]);
+}
+
+/* The directions of the curves in the tets that they cross. */
+static sn_status add_curves(fiber_system *s, const sn_fibers *f, const sn_muscle *m, sn_error *err)
+{
+    sn_body body;
+    sn_locator *locator = NULL;
+    double size = sn_box3_diagonal(sn_tet_mesh_bounds(&f->mesh));
+    sn_body_init(&body);
+    sn_status st = sn_body_from_tets(&f->mesh, SN_LABEL_SKIN, &body, err);
+    if (!st) st = sn_locator_create(&locator, &f->mesh, err);
+    for (int32_t h = 0; h < m->n_head && !st; h++) {
+        const sn_spline *spline = &m->head[h].spline;
+        sn_trace trace = {0};
+        st = sn_trace_curve(&body, locator, spline->seg, spline->n_seg, &trace, err);
+        for (size_t i = 0; i < trace.n_piece && !st; i++) {
+            const sn_trace_piece *p = &trace.piece[i];
+            double arc = spline->arc[p->i_seg] + sn_cubic_length(&spline->seg[p->i_seg], 0.0, p->s);
+            sn_triad frame = sn_path_frame(&f->paths.head[h], arc);
+            add_normal(s, &f->mesh, p->tet, frame.e2, size);
+            add_normal(s, &f->mesh, p->tet, frame.e3, size);
+        }
+        sn_trace_free(&trace);
+    }
+    sn_locator_destroy(locator);
+    sn_body_free(&body);
+    return st;
+}
+
+/* A whisper of (u - progress)^2, for pieces of the muscle that hold no end. */
+static void add_anchor(fiber_system *s, const sn_fibers *f)
+{
+    double trace = 0.0;
+    for (int32_t v = 0; v < f->mesh.n_vert; v++) trace += s->matrix.val[sn_csr_find(&s->matrix, v, v)];
+    double weight = ANCHOR_REL * trace / f->mesh.n_vert;
+    for (int32_t v = 0; v < f->mesh.n_vert; v++) {
+        s->matrix.val[sn_csr_find(&s->matrix, v, v)] += weight;
+        s->rhs[v] = weight * progress(f, &s->place[v]);
+    }
+}
+
+static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *m, const sn_run *run,
+                          sn_error *err)
+{
+    size_t n = (size_t)f->mesh.n_vert;
+    s->place = SN_NEW(sn_curve_place, n);
+    s->end = SN_NEW(ends, f->paths.n_head);
+    s->fixed = SN_NEW(double, n);
+    s->rhs = SN_NEW(double, n);
+    s->number = SN_NEW(int32_t, n);
+    if (!s->place || !s->end || !s->fixed || !s->rhs || !s->number)
+        return sn_fail(err, SN_ENOMEM, "fibers: no memory for %zu vertices", n);
+#pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
+    for (size_t v = 0; v < n; v++)
+        s->place[v] = sn_paths_place(&f->paths, sn_tet_mesh_point(&f->mesh, (int32_t)v));
+    sn_status st = sn_laplacian_build(&s->matrix, &s->assembly, &f->mesh, run, err);
+    if (st) return st;
+    sn_laplacian_set_weighted(&s->matrix, &s->assembly, &f->mesh, f->share);
+    st = add_curves(s, f, m, err);
+    if (st) return st;
+    add_anchor(s, f);
+    find_ends(f, s->place, s->end);
+    fix_ends(f, s->place, s->end, s->fixed);
+    for (size_t v = 0; v < n; v++) s->number[v] = isnan(s->fixed[v]) ? s->n_free++ : -1;
+    return SN_OK;
+}
+
+/* b on the unknowns: the anchor, less what the given values bring. */
+static void reduce_rhs(const fiber_system *s, double *b)
+{
+    for (int32_t v = 0; v < s->matrix.n; v++) {
+        if (s->number[v] < 0) continue;
+        double sum = s->rhs[v];
+        for (int64_t k = s->matrix.ptr[v]; k < s->matrix.ptr[v + 1]; k++)
+            if (s->number[s->matrix.idx[k]] < 0) sum -= s->matrix.val[k] * s->fixed[s->matrix.idx[k]];
+        b[s->number[v]] = sum;
+    }
+}
+
+static sn_status solve_u(sn_fibers *f, const sn_muscle *m, const sn_run *run, sn_error *err)
+{
+    fiber_system s = {.n_free = 0};
+    double *b = SN_NEW(double, f->mesh.n_vert);
+    f->u = SN_NEW(double, f->mesh.n_vert);
+    f->is_free = SN_NEW(bool, f->mesh.n_vert);
+    sn_status st =
+        b && f->u && f->is_free ? assemble(&s, f, m, run, err) : sn_fail(err, SN_ENOMEM, "fibers: no memory");
+    if (!st && s.n_free > 0) {
+        reduce_rhs(&s, b);
+        st = sn_cholesky_create_small(&s.cholesky, &s.matrix, s.number, s.n_free, run, err);
+        if (!st) st = sn_cholesky_factorize(s.cholesky, &s.matrix, run, err);
+        if (!st) st = sn_cholesky_solve(s.cholesky, b, 1, run, err);
+    }
+    for (int32_t v = 0; v < f->mesh.n_vert && !st; v++) {
+        f->is_free[v] = s.number[v] >= 0;
+        f->u[v] = f->is_free[v] ? b[s.number[v]] : s.fixed[v];
+    }
+    free_system(&s);
+    sn_release(b);
+    return st;
+}
+
+/* grad u in a tet. */
+static sn_vec3 slope_of(const sn_fibers *f, int32_t t)
+{
+    sn_vec3 g[4], sum = {0};
+    (void)sn_tet_gradients(&f->mesh, t, g);
+    for (int k = 0; k < 4; k++) sum = sn_v3_mad(sum, f->u[f->mesh.tet[4 * (size_t)t + (size_t)k]], g[k]);
+    return sum;
+}
+
+/* Adds to each vertex what its tets bring, times the muscle's volume in them. */
+static void gather(const sn_fibers *f, const sn_vec3 *slope, sn_vec3 *sum, double *mass)
+{
+    memset(sum, 0, (size_t)f->mesh.n_vert * sizeof *sum);
+    memset(mass, 0, (size_t)f->mesh.n_vert * sizeof *mass);
+    for (int32_t t = 0; t < f->mesh.n_tet; t++) {
+        double volume = f->share[t] * sn_tet_mesh_tet_volume(&f->mesh, t);
+        for (int k = 0; k < 4; k++) {
+            int32_t v = f->mesh.tet[4 * (size_t)t + (size_t)k];
+            sum[v] = sn_v3_mad(sum[v], volume, slope[t]);
+            mass[v] += volume;
+        }
+    }
+}
+
+/* The mean of grad u over the muscle around each vertex, taken twice: corners outside of the muscle, whose
+ * tets hold slivers of it only, then follow their neighbours inside. */
+static sn_status average_slopes(sn_fibers *f, sn_error *err)
+{
+    sn_vec3 *slope = SN_NEW(sn_vec3, f->mesh.n_tet);
+    double *mass = SN_NEW(double, f->mesh.n_vert);
+    f->along = SN_NEW(sn_vec3, f->mesh.n_vert);
+    sn_status st = slope && mass && f->along ? SN_OK : sn_fail(err, SN_ENOMEM, "fibers: no memory");
+    for (int32_t t = 0; !st && t < f->mesh.n_tet; t++) slope[t] = slope_of(f, t);
+    if (!st) gather(f, slope, f->along, mass);
+    for (int32_t t = 0; !st && t < f->mesh.n_tet; t++) {
+        const int32_t *v = f->mesh.tet + 4 * (size_t)t;
+        sn_vec3 sum =
+            sn_v3_add(sn_v3_add(f->along[v[0]], f->along[v[1]]), sn_v3_add(f->along[v[2]], f->along[v[3]]));
+        slope[t] = sn_v3_scale(1.0 / (mass[v[0]] + mass[v[1]] + mass[v[2]] + mass[v[3]]), sum);
+    }
+    if (!st) gather(f, slope, f->along, mass);
+    for (int32_t v = 0; !st && v < f->mesh.n_vert; v++) {
+        f->along[v] = sn_v3_unit(f->along[v]);
+        if (!(sn_v3_len(f->along[v]) > 0.5))
+            f->along[v] = sn_fibers_line_of_action(f, sn_tet_mesh_point(&f->mesh, v));
+    }
+    sn_release(slope);
+    sn_release(mass);
+    return st;
+}
+
+/* ---- frames: straps and pennate muscles ---- */
+
+static bool has_field(const sn_fibers *f)
+{
+    return f->pennation.kind == SN_FUSIFORM || f->pennation.kind == SN_CONVERGENT;
+}
+
+/* How far p lies from the sheet of the curve and e2, along e3. */
+static double off_sheet(const sn_fibers *f, sn_vec3 p, const sn_curve_place *at, const sn_triad *frame)
+{
+    return sn_v3_dot(sn_v3_sub(p, sn_path_point(&f->paths.head[at->head], at->arc)), frame->e3);
+}
+
+static void find_sheets(sn_fibers *f)
+{
+    f->sheet_min = INFINITY;
+    f->sheet_max = -INFINITY;
+    for (int32_t t = 0; t < f->mesh.n_tet; t++) {
+        sn_vec3 p = {0};
+        if (f->share[t] < 0.5) continue;
+        for (int k = 0; k < 4; k++)
+            p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(&f->mesh, f->mesh.tet[4 * (size_t)t + (size_t)k]));
+        sn_curve_place at = sn_paths_place(&f->paths, p);
+        sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
+        double h = off_sheet(f, p, &at, &frame);
+        f->sheet_min = fmin(f->sheet_min, h);
+        f->sheet_max = fmax(f->sheet_max, h);
+    }
+    if (!(f->sheet_min < f->sheet_max)) f->sheet_min = f->sheet_max = 0.0;
+}
+
+static double angle_at(const sn_pennation *p, double t)
+{
+    double at = fmin(fmax(t, 0.0), 1.0) * (p->n_angle - 1);
+    int k = (int)at < p->n_angle - 1 ? (int)at : p->n_angle - 2;
+    double deg = p->n_angle < 2 ? p->angle_deg[0]
+                                : p->angle_deg[k] + (at - k) * (p->angle_deg[k + 1] - p->angle_deg[k]);
+    return deg * (3.14159265358979323846 / 180.0);
+}
+
+/* Which way along e3 the fibers lean: 1, or -1; to the sheet from both sides. */
+static double lean(const sn_fibers *f, double off)
+{
+    if (f->pennation.kind == SN_UNIPENNATE) return 1.0;
+    if (f->pennation.kind == SN_BIPENNATE || !(f->sheet_max > f->sheet_min)) return off > 0.0 ? -1.0 : 1.0;
+    double x = (off - f->sheet_min) / (f->sheet_max - f->sheet_min) * f->pennation.n_sheet;
+    return x - floor(x) > 0.5 ? -1.0 : 1.0;
+}
+
+static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)
+{
+    sn_curve_place at = sn_paths_place(&f->paths, p);
+    sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
+    double t = progress(f, &at);
+    if (u) *u = t;
+    if (f->pennation.kind == SN_PARALLEL) return frame.e1;
+    double angle = angle_at(&f->pennation, t), side = lean(f, off_sheet(f, p, &at, &frame));
+    return sn_v3_mad(sn_v3_scale(cos(angle), frame.e1), side * sin(angle), frame.e3);
+}
+
+/* ---- the whole ---- */
+
+sn_status sn_fibers_build(sn_fibers *f, const sn_tet_mesh *body, const double *share, const sn_muscle *m,
+                          const sn_run *run, sn_error *err)
+{
+    memset(f, 0, sizeof *f);
+    f->pennation = m->pennation;
+    sn_status st = sn_run_step(run, "finding fibers", -1.0, err);
+    if (!st && sn_muscle_shared_end(m) == SN_SHARE_NONE)
+        st = sn_fail(
+            err, SN_EINVAL,
+            "fibers of muscle '%s': its %d heads share neither an insertion (last point) nor an origin "
+            "(first point)",
+            m->name, m->n_head);
+    if (!st) st = find_part(f, body, share, m->name, err);
+    if (!st) st = sn_paths_build(&f->paths, m, err);
+    if (!st && has_field(f)) {
+        st = solve_u(f, m, run, err);
+        if (!st) st = average_slopes(f, err);
+    } else if (!st) {
+        find_sheets(f);
+    }
+    if (st) sn_fibers_free(f);
+    return st;
+}
+
+void sn_fibers_free(sn_fibers *f)
+{
+    sn_tet_mesh_free(&f->mesh);
+    sn_release(f->tet_of);
+    sn_release(f->share);
+    sn_release(f->u);
+    sn_release(f->is_free);
+    sn_release(f->along);
+    sn_paths_free(&f->paths);
+    memset(f, 0, sizeof *f);
+}
+
+sn_vec3 sn_fibers_line_of_action(const sn_fibers *f, sn_vec3 p)
+{
+    sn_curve_place at = sn_paths_place(&f->paths, p);
+    return sn_path_frame(&f->paths.head[at.head], at.arc).e1;
+}
+
+sn_vec3 sn_fibers_at(const sn_fibers *f, int32_t i_body_tet, sn_vec3 p, double *u)
+{
+    int32_t t = f->tet_of[i_body_tet];
+    if (!has_field(f)) return by_frame(f, p, u);
+    double bary[4];
+    sn_vec3 along = {0};
+    sn_tet_barycentric(&f->mesh, t, p, bary);
+    if (u) *u = 0.0;
+    for (int k = 0; k < 4; k++) {
+        int32_t v = f->mesh.tet[4 * (size_t)t + (size_t)k];
+        along = sn_v3_mad(along, bary[k], f->along[v]);
+        if (u) *u += bary[k] * f->u[v];
+    }
+    along = sn_v3_unit(along);
+    return sn_v3_len(along) > 0.5 ? along : sn_fibers_line_of_action(f, p);
+}
+
+/* ---- what holds of it ---- */
+
+static double turn_deg(sn_vec3 a, sn_vec3 b)
+{
+    return acos(fmin(fmax(sn_v3_dot(a, b), -1.0), 1.0)) * (180.0 / 3.14159265358979323846);
+}
+
+static void check_turns(const sn_fibers *f, sn_fibers_check *out)
+{
+    for (int32_t t = 0; t < f->mesh.n_tet; t++) {
+        const int32_t *v = f->mesh.tet + 4 * (size_t)t;
+        double worst = 0.0;
+        for (int e = 0; e < 6; e++)
+            worst = fmax(worst, turn_deg(f->along[v[sn_tet_edge[e][0]]], f->along[v[sn_tet_edge[e][1]]]));
+        out->worst_turn_deg = fmax(out->worst_turn_deg, worst);
+        out->flipped += worst > 90.0;
+        out->still += !(sn_v3_len(slope_of(f, t)) * f->paths.head[0].length > 1e-3);
+    }
+}
+
+sn_status sn_fibers_check_run(const sn_fibers *f, sn_fibers_check *out, sn_error *err)
+{
+    memset(out, 0, sizeof *out);
+    if (!has_field(f)) return SN_OK;
+    unsigned char *has =
+        SN_NEW_ZERO(unsigned char, f->mesh.n_vert); /* 1: a higher neighbour, 2: a lower one */
+    if (!has) return sn_fail(err, SN_ENOMEM, "fibers: no memory");
+    for (int32_t t = 0; t < f->mesh.n_tet; t++) {
+        for (int k = 0; k < 4 && f->share[t] < 0.5; k++) has[f->mesh.tet[4 * (size_t)t + (size_t)k]] |= 4;
+        for (int e = 0; e < 6; e++) {
+            int32_t a = f->mesh.tet[4 * (size_t)t + (size_t)sn_tet_edge[e][0]];
+            int32_t b = f->mesh.tet[4 * (size_t)t + (size_t)sn_tet_edge[e][1]];
+            has[a] |= f->u[b] > f->u[a] ? 1 : f->u[b] < f->u[a] ? 2 : 0;
+            has[b] |= f->u[a] > f->u[b] ? 1 : f->u[a] < f->u[b] ? 2 : 0;
+        }
+    }
+    for (int32_t v = 0; v < f->mesh.n_vert; v++) {
+        if (!f->is_free[v] || (has[v] & 4)) continue;
+        out->sinks += !(has[v] & 1);
+        out->sources += !(has[v] & 2);
+    }
+    check_turns(f, out);
+    sn_release(has);
+    return SN_OK;
+}
