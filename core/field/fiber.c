@@ -9,7 +9,8 @@
 #define ALPHA 5.0        /* weight of the curve's direction, as in the tissue functions          */
 #define LEAST_SHARE 1e-3 /* a tet with less counts as this much: the matrix stays well behaved   */
 #define ANCHOR_REL 1e-8  /* of the mean diagonal: holds pieces that reach no end to the curve    */
-#define END_REL 0.03     /* of the curve: how much of a muscle that stops short counts as its end */
+#define AT_END_REL 0.04 /* of the curve: so near to an end u is given, too: caps are never quite flat */
+#define END_REL 0.04     /* of the curve: how much of a muscle that stops short counts as its end */
 
 /* ---- the tets that take part ---- */
 
@@ -84,8 +85,8 @@ static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends
     double radius = to_point ? insertion_radius(f, end) : 0.0;
     for (int32_t v = 0; v < f->mesh.n_vert; v++) {
         const ends *of = &e[place[v].head];
-        double t = progress(f, &place[v]), first = of->first > 0.0 ? of->first + END_REL : 0.0;
-        double last = of->last < 1.0 ? of->last - END_REL : 1.0;
+        double t = progress(f, &place[v]), first = of->first > AT_END_REL ? of->first + END_REL : AT_END_REL;
+        double last = of->last < 1.0 - AT_END_REL ? of->last - END_REL : 1.0 - AT_END_REL;
         double to_end = sn_v3_dist(sn_tet_mesh_point(&f->mesh, v), end);
         value[v] = NAN;
         if (t <= first || (!to_point && t >= last)) value[v] = t;

@@ -8,7 +8,7 @@
  * the muscle's surface is natural all the same, and a linear u is reproduced exactly.
  * - At an end u is not a constant but goes on along the curve: u = (length of curve from the origin) /
  * (length of the curve) at and beyond the end. Where the muscle does not reach its end (tendon), the same
- * holds for the outermost 3 % of it. Of a convergent muscle, u = 1 only near the end point of the insertion.
+ * holds for the outermost 4 % of it. Of a convergent muscle, u = 1 only near the end point of the insertion.
  * Strap-like and pennate muscles: directions by the frame of path.h at the nearest place of the curve, turned
  * by the pennation angle towards e3 (unipennate), or towards the nearest aponeurosis (bi-, multipennate); u
  * is that place. */

@@ -236,19 +236,7 @@ double sn_measure_tet_share(const sn_measure *m, int32_t i_tet, double scale)
 
 /* ---- all tets ---- */
 
-static double largest_share(const sn_measure *m, int32_t i_tet)
-{
-    double g[4], sum = 0.0;
-    piece part[3];
-    for (int k = 0; k < 4; k++) g[k] = m->own[m->mesh->tet[4 * (size_t)i_tet + (size_t)k]];
-    if (against(g, 4, false) == NONE) return 0.0;
-    int n = clip_piece(&whole_tet, g, part);
-    for (int i = 0; i < n; i++) sum += piece_share(&part[i]);
-    return sum;
-}
-
-/* scale < 0: the limit of a very large one. */
-static double sum_volume(const sn_measure *m, double scale, const sn_run *run)
+double sn_measure_volume(const sn_measure *m, double scale, const sn_run *run)
 {
     int32_t n = m->mesh->n_tet, n_part = (n + RUN_LENGTH - 1) / RUN_LENGTH;
     double total = 0.0;
@@ -257,23 +245,13 @@ static double sum_volume(const sn_measure *m, double scale, const sn_run *run)
         double sum = 0.0;
         int32_t end = n - i * RUN_LENGTH < RUN_LENGTH ? n : (i + 1) * RUN_LENGTH;
         for (int32_t t = i * RUN_LENGTH; t < end; t++) {
-            double share = scale < 0.0 ? largest_share(m, t) : sn_measure_tet_share(m, t, scale);
+            double share = sn_measure_tet_share(m, t, scale);
             if (share > 0.0) sum += share * sn_tet_mesh_tet_volume(m->mesh, t);
         }
 #pragma omp ordered
         total += sum;
     }
     return total;
-}
-
-double sn_measure_volume(const sn_measure *m, double scale, const sn_run *run)
-{
-    return sum_volume(m, scale, run);
-}
-
-double sn_measure_largest(const sn_measure *m, const sn_run *run)
-{
-    return sum_volume(m, -1.0, run);
 }
 
 /* ---- faces ---- */
@@ -367,7 +345,7 @@ typedef struct bracket { /* logarithms of scales, and the volumes above the want
 
 static double surplus(const sn_measure *m, double volume, double log_scale, const sn_run *run)
 {
-    return sum_volume(m, exp(log_scale), run) - volume;
+    return sn_measure_volume(m, exp(log_scale), run) - volume;
 }
 
 static sn_status find_bracket(const sn_measure *m, double volume, bracket *b, const sn_run *run,
@@ -400,7 +378,7 @@ static sn_status find_bracket(const sn_measure *m, double volume, bracket *b, co
     return sn_fail(err, SN_EINVAL, "no tissue value gives a volume of %g: %s %g here", volume,
                    too_much ? "crowded by its neighbours and the skin it can reach at most"
                             : "it keeps at least",
-                   too_much ? sn_measure_largest(m, run) : volume + b->at_lo);
+                   volume + (too_much ? b->at_hi : b->at_lo));
 }
 
 /* Regula falsi with the Illinois correction (an end that stays twice counts half): the volume grows steadily

@@ -20,8 +20,6 @@ void sn_measure_destroy(sn_measure *m); /* NULL is fine */
 
 /* Of all tets. */
 double sn_measure_volume(const sn_measure *m, double scale, const sn_run *run);
-/* The most that any scale can give: where the tissue's own function is above 0. */
-double sn_measure_largest(const sn_measure *m, const sn_run *run);
 /* The share of one tet that the tissue wins, 0..1. */
 double sn_measure_tet_share(const sn_measure *m, int32_t i_tet, double scale);
 /* The area of face k of a tet that it wins, and the centroid of that part (when the area is > 0). */

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define KEPT_REL 1e-5 /* how near to its volume each kept muscle comes; 0.1 % is promised */
-enum { max_sweeps = 200 };
+enum { max_sweeps = 200, patience = 16 }; /* sweeps in which the distance must halve */
 
 static sn_status create_measure(const sn_scene *s, int32_t i_muscle, const sn_run *run, sn_measure **m,
                                 sn_error *err)
@@ -50,7 +50,8 @@ static sn_status fit(sn_scene *s, int32_t i_muscle, double volume, const sn_run 
  * less with each round. In the logarithms of the scales this is coordinate ascent on a concave function
  * (semi-discrete optimal transport), so it ends in the one solution when there is one. */
 
-static sn_status sweep(sn_scene *s, const sn_run *run, double *worst, sn_error *err)
+/* *i_worst: the muscle that was farthest off, by *worst. */
+static sn_status sweep(sn_scene *s, const sn_run *run, int32_t *i_worst, double *worst, sn_error *err)
 {
     *worst = 0.0;
     for (int32_t i = 0; i < s->n_muscle; i++) {
@@ -59,6 +60,7 @@ static sn_status sweep(sn_scene *s, const sn_run *run, double *worst, sn_error *
         sn_status st = sn_run_step(run, "keeping volumes", -1.0, err);
         if (!st) st = fit(s, i, s->muscle[i]->kept_volume, run, &gap, err);
         if (st) return st;
+        if (gap > *worst) *i_worst = i;
         *worst = fmax(*worst, gap);
     }
     return SN_OK;
@@ -66,16 +68,21 @@ static sn_status sweep(sn_scene *s, const sn_run *run, double *worst, sn_error *
 
 static sn_status sweep_all(sn_scene *s, const sn_run *run, sn_error *err)
 {
-    double worst = INFINITY;
-    for (int i = 0; i < max_sweeps && worst > KEPT_REL; i++) {
-        sn_status st = sweep(s, run, &worst, err);
+    double worst = INFINITY, before = INFINITY;
+    int32_t i_worst = 0;
+    int i = 0;
+    for (bool is_nearing = true; i < max_sweeps && worst > KEPT_REL && is_nearing; i++) {
+        sn_status st = sweep(s, run, &i_worst, &worst, err);
         if (st) return st;
+        if (i % patience != patience - 1) continue;
+        is_nearing = worst <= 0.5 * before;
+        before = worst;
     }
     if (worst <= 1e-4) return SN_OK;
     return sn_fail(
         err, SN_EINVAL,
-        "the volumes to be kept do not fit side by side: after %d rounds one is still off by %.2g %%",
-        (int)max_sweeps, 100.0 * worst);
+        "the volumes to be kept do not fit side by side: after %d rounds muscle '%s' is still off by %.2g %%",
+        i, s->muscle[i_worst]->muscle.name, 100.0 * worst);
 }
 
 /* The tissue values of all kept muscles, to go back to. */

@@ -245,7 +245,7 @@ static void a_scale_is_a_scaled_row(void **state)
     sn_tet_mesh m = made_lattice(4, sn_v3(0, 0, 0), 1.0);
     double *field = random_field(m.n_vert, 5, 3), *scaled = random_field(m.n_vert, 5, 3), last = -1.0;
     sn_measure *x = measure_of(&m, field, 5, 2);
-    double largest = sn_measure_largest(x, NULL);
+    double largest = sn_measure_volume(x, 1e15, NULL);
     const double scale[] = {1e-9, 0.3, 1.0, 1.7, 40.0, 1e12};
     for (int i = 0; i < 6; i++) {
         for (int32_t v = 0; v < m.n_vert; v++) scaled[2 * m.n_vert + v] = scale[i] * field[2 * m.n_vert + v];
@@ -413,7 +413,7 @@ static void scales_hit_their_volume(void **state)
     for (int32_t v = 0; v < m.n_vert; v++) field[v] = 0.2;
     for (int32_t t = 1; t < 4; t++) {
         sn_measure *x = measure_of(&m, field, 4, t);
-        double largest = sn_measure_largest(x, NULL), scale = -1.0;
+        double largest = sn_measure_volume(x, 1e15, NULL), scale = -1.0;
         const double share[] = {1e-4, 0.01, 0.2, 0.5, 0.9, 0.99};
         for (int i = 0; i < 6; i++) {
             assert_int_equal(sn_measure_find_scale(x, share[i] * largest, NULL, &scale, NULL), SN_OK);
@@ -437,7 +437,7 @@ static void impossible_volumes(void **state)
     double scale = 42.0;
     sn_error err;
     sn_measure *m = measure_of(&tet, crowded, 2, 1); /* above 0 in (1/2)^3 of 1/6 */
-    assert_true(fabs(sn_measure_largest(m, NULL) - 1.0 / 48) < 1e-15);
+    assert_true(fabs(sn_measure_volume(m, 1e15, NULL) - 1.0 / 48) < 1e-15);
     assert_int_equal(sn_measure_find_scale(m, 0.1, NULL, &scale, &err), SN_EINVAL);
     assert_string_equal(err.msg,
                         "no tissue value gives a volume of 0.1: crowded by its neighbours and the skin "

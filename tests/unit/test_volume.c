@@ -311,14 +311,14 @@ static void crowded_out(void **state)
     sn_error err = {.msg = ""};
     double tissue[8], now[8];
     sn_tri_mesh thin = made_capsule(sn_v3(0, -1.2, 0), sn_v3(0, 1.2, 0), 0.7, 0.3);
-    set_volume(s, FLEXOR, 4.5);
+    set_volume(s, FLEXOR, 4.6);
     keep(s, FLEXOR, true);
     keep(s, EXTENSOR, true);
     assert_int_equal(sn_scene_set_skin(s, &thin, NULL), SN_OK);
     read_tissues(s, tissue);
     for (int round = 0; round < 2; round++) { /* it fails each time, and the same way */
         assert_message(sn_scene_solve(s, NULL, NULL, &err), &err,
-                       "muscle 'flexor': no tissue value gives a volume of 4.5: ");
+                       "muscle 'flexor': no tissue value gives a volume of 4.6: ");
         assert_non_null(strstr(err.msg, "crowded by its neighbours and the skin it can reach at most "));
         assert_null(sn_scene_fields(s));
         read_tissues(s, now);
@@ -326,10 +326,10 @@ static void crowded_out(void **state)
     }
     double volume;
     assert_message(sn_scene_muscle_volume(s, ABDUCTOR, NULL, &volume, &err), &err, "muscle 'flexor': ");
-    assert_rel(sn_scene_kept_volume(s, FLEXOR), 4.5, 1e-4);
+    assert_rel(sn_scene_kept_volume(s, FLEXOR), 4.6, 1e-4);
     keep(s, FLEXOR, false);
     solve_scene(s);
-    assert_true(volume_of(s, FLEXOR) < 4.5);
+    assert_true(volume_of(s, FLEXOR) < 4.6);
     assert_rel(volume_of(s, EXTENSOR), sn_scene_kept_volume(s, EXTENSOR), 1e-3);
     sn_tri_mesh_free(&thin);
     sn_scene_destroy(s);
@@ -347,10 +347,9 @@ static void too_much_for_two(void **state)
     keep(s, FLEXOR, true);
     read_tissues(s, tissue);
     sn_status st = sn_scene_set_volume(s, EXTENSOR, most, NULL, &err);
-    assert_int_equal(st, SN_EINVAL);
-    if (!strstr(err.msg, "the volumes to be kept do not fit side by side") &&
-        !strstr(err.msg, "it can reach at most"))
-        fail_msg("%s", err.msg);
+    assert_message(st, &err, "the volumes to be kept do not fit side by side: after ");
+    assert_non_null(strstr(err.msg, " rounds muscle '"));
+    assert_non_null(strstr(err.msg, "' is still off by "));
     read_tissues(s, now);
     assert_memory_equal(tissue, now, sizeof now);
     assert_true(sn_scene_kept_volume(s, EXTENSOR) == 0.0);
