@@ -8,7 +8,7 @@ local groups = {
   {"Shapes", {"sinew%.shape%.", "shape:"}, "Implicit shapes, for skins and bones that a script makes."},
   {"Scene", {"scene:"}, "Solve, render and extract first bring up to date whatever is stale."},
   {"Bones", {"bone:"}},
-  {"Muscles", {"muscle:"}, "Points and tissue values are counted from 1. The first point is the origin, the last the insertion."},
+  {"Muscles", {"muscle:", "head:"}, "Points and tissue values are counted from 1. The first point is the origin, the last the insertion."},
   {"Pictures", {"sinew%.image%.", "image:"}},
   {"Extraction and tet meshes", {"extraction:", "part:", "sinew%.tets%.", "tets:"},
    "Tissue 0 is fat; muscles follow in the order the script added them. That number is the material id in every file."},

@@ -97,8 +97,20 @@ static const help scenes[] = {
     {"scene:set_alpha", "scene:set_alpha(value)  weight of the curves against smoothness, 5 at first"},
     {"scene:alpha", "scene:alpha() -> value"},
     {"scene:add_muscle",
-     "scene:add_muscle(name, {points={p1, p2, ...}, tissue=1}) -> muscle  a curve through 2 or more points, "
-     "origin first; tissue: a number, or one for each point"},
+     "scene:add_muscle(name, {points={p1, p2, ...}, tissue=1}) -> muscle, scene:add_muscle(name, "
+     "{heads={{points=, "
+     "tissue=}, ...}}) -> muscle  a curve through 2 or more points, origin first; tissue: a number, or one "
+     "for each "
+     "point. heads: 1 to 64 curves that make one muscle; fibers need one end that all share"},
+    {"scene:draw_muscle",
+     "scene:draw_muscle(name, {stroke={{x, y}, ...}, camera=\"front\", size={800, 600}, depth=\"clear\", "
+     "points=4, "
+     "tissue=1, snap=0, margin=}) -> muscle, {rms=, max=, inside_bone=, outside_skin=, path_length=, "
+     "snapped=, "
+     "origin=, insertion=}  a stroke in pixels of that picture, which begins and ends over a bone, (0, 0) "
+     "the "
+     "top left pixel; depth \"clear\" keeps inside the skin and outside of bones by the margin (1 % of the "
+     "skin's diagonal), \"linear\" runs straight from depth to depth; snap: pixels that an end may miss by"},
     {"scene:muscle", "scene:muscle(name) -> muscle"},
     {"scene:muscles", "scene:muscles() -> list of muscles in the order added"},
     {"scene:remove_muscle", "scene:remove_muscle(name)"},
@@ -109,16 +121,29 @@ static const help scenes[] = {
      "scene:values_at(p) -> {fat=, NAME=, ...} or nil  the tissue functions at p; nil outside the tet mesh"},
     {"scene:tissue_at", "scene:tissue_at(p) -> muscle name | \"fat\" | \"bone:NAME\" | nil outside"},
     {"scene:report", "scene:report() -> {muscles={NAME={volume=, tets=, components=, length=, "
-                     "length_outside=}}, fat_volume=, "
-                     "tissues_per_tet={...}, body={...}, solve={...}, timings={...}}  extracts first; "
-                     "tissues_per_tet[k]: tets with k "
-                     "tissues, the last: that many or more"},
+                     "length_outside=, origin=, insertion=, "
+                     "heads=, fiber_length=, pennation_angle=, pcsa=, belly_volume=, tendon_volume=, "
+                     "fiber_check=}}, fat_volume=, "
+                     "tissues_per_tet={...}, body={...}, solve={...}, timings={...}}  extracts first. "
+                     "origin, insertion: {bone=, "
+                     "area=, centroid=, distance=} of the bone's surface that the muscle covers within a "
+                     "quarter of its curve from "
+                     "that end (area 0: it touches none, the nearest bone then); of several heads those of "
+                     "the first, all in heads. "
+                     "The fields from fiber_length on as in part:architecture. tissues_per_tet[k]: tets with "
+                     "k tissues, the last: "
+                     "that many or more"},
     {"scene:render",
      "scene:render{file=, size={800, 600}, camera=\"front\", show={\"muscles\", \"bones\", \"skin\"}, "
      "clip={point=, normal=}, "
-     "background=\"white\", skin_opacity=0.3, samples=2} -> image  camera: front back left right top bottom "
+     "background=\"white\", skin_opacity=0.3, samples=2, fiber_count=150} -> image  camera: front back left "
+     "right top bottom "
      "iso, {eye=, "
-     "target=, up=, fov=30} or {azimuth=, elevation=, zoom=}; show also curves, points, fibers, frames; clip "
+     "target=, up=, fov=30} or {azimuth=, elevation=, zoom=}; show also curves, points, fibers (fiber_count "
+     "lines in each "
+     "muscle; solid where muscles are not shown), frames (e1 red, e2 green, e3 blue, as long as the roots of "
+     "the "
+     "eigenvalues, of muscles that have one); tendon is drawn pale; clip "
      "removes the side its normal "
      "points to; background: {r, g, b, a} in 0..1, \"#rrggbb\", \"white\", \"black\" or \"transparent\""},
     {"scene:extract", "scene:extract{margin=0.001} -> extraction  every muscle and \"fat\" as tets that fit "
@@ -129,6 +154,10 @@ static const help scenes[] = {
 
 static const help muscles[] = {
     {"muscle:name", "m:name() -> string"},
+    {"muscle:head_count", "m:head_count() -> number of curves"},
+    {"muscle:head",
+     "m:head(k) -> head  with the point, tissue and curve functions of a muscle; those of a muscle "
+     "with one head are that head's, with several they raise (but set_tissue(value), for all)"},
     {"muscle:point_count", "m:point_count() -> number of control points"},
     {"muscle:point", "m:point(i) -> point  1 is the origin, the last the insertion"},
     {"muscle:set_point", "m:set_point(i, p)  moves a control point"},
@@ -138,7 +167,51 @@ static const help muscles[] = {
     {"muscle:set_tissue",
      "m:set_tissue(i, value), m:set_tissue(value)  at one control point or all: more makes it thicker"},
     {"muscle:curve", "m:curve(n) -> list of n points  evenly spaced along the curve"},
-    {"muscle:length", "m:length() -> number  of the curve"},
+    {"muscle:length", "m:length() -> number  of the curve; of all heads together"},
+    {"muscle:set_frame", "m:set_frame{angle=0, eigenvalues={1, 1, 1}, axis=}, m:set_frame(nil)  anisotropy: "
+                         "tissue spreads by the "
+                         "eigenvalues (each > 0) along the frame's e1 (the curve's tangent), e2 and e3; a "
+                         "larger one makes the muscle "
+                         "wider that way. axis: e2 points towards it at the first point, as nearly as it "
+                         "can; without one, towards the "
+                         "coordinate axis that the curve runs along least. angle: turns e2 and e3 about e1, "
+                         "in degrees. The frame is "
+                         "carried along the curve without twist. Costs a factorization of its own unless all "
+                         "are 1; nil turns it off"},
+    {"muscle:frame", "m:frame() -> {angle=, eigenvalues=, axis=, e1=, e2=, e3=} or nil  at the first point"},
+    {"muscle:volume", "m:volume() -> number  exact, of the region that it wins; solves first"},
+    {"muscle:set_volume", "m:set_volume(v)  scales its tissue values so that it has this volume, to 0.001 %; "
+                          "needs no solve. Raises when "
+                          "there is no room for it, and says how much there is"},
+    {"muscle:set_preserve_volume", "m:set_preserve_volume(true|false)  from now on every solve scales its "
+                                   "tissue values so that the volume stays "
+                                   "what it is now, whatever is edited; set_volume then sets what is kept"},
+    {"muscle:preserved_volume", "m:preserved_volume() -> number or nil"},
+    {"muscle:set_pennation", "m:set_pennation{kind=, angle=, sheets=2}, m:set_pennation(nil)  how fibers "
+                             "run. fusiform: along the muscle's "
+                             "shape, the default; parallel: along the line of action; convergent: drawn "
+                             "together at the insertion; unipennate, "
+                             "bipennate, multipennate: at `angle` degrees (0..80; a list is spread evenly "
+                             "from origin to insertion) to the line "
+                             "of action, along e3 of the frame, to one side, towards the sheet of the curve "
+                             "and e2 from both, or towards "
+                             "`sheets` of them (2..16)"},
+    {"muscle:pennation", "m:pennation() -> {kind=, angle=, sheets=}"},
+    {"muscle:set_tendon", "m:set_tendon{length=, area=}, m:set_tendon(nil)  tendon is what lies within this "
+                          "length of curve of an end, and "
+                          "outwards of where the cross-section first reaches this area"},
+    {"muscle:tendon", "m:tendon() -> {length=, area=} or nil"},
+    {"head:point_count", "h:point_count() -> number of control points"},
+    {"head:point", "h:point(i) -> point  1 is the origin, the last the insertion"},
+    {"head:set_point", "h:set_point(i, p)  moves a control point"},
+    {"head:insert_point", "h:insert_point(i, p [, tissue])  before point i; point_count + 1 appends"},
+    {"head:remove_point", "h:remove_point(i)  two must stay"},
+    {"head:tissue", "h:tissue(i) -> value  at control point i"},
+    {"head:set_tissue", "h:set_tissue(i, value), h:set_tissue(value)  at one control point or all"},
+    {"head:curve", "h:curve(n) -> list of n points  evenly spaced along the curve"},
+    {"head:length", "h:length() -> number  of the curve"},
+    {"head:frame",
+     "h:frame(t) -> {e1=, e2=, e3=, point=}  the muscle's frame at t from 0 (origin) to 1 (insertion)"},
 };
 
 static const help results[] = {
@@ -177,15 +250,44 @@ static const help results[] = {
      "nonmanifold_vertices=, bad_faces=, "
      "inverted=, min_volume=, max_volume=, moved=, largest_move=}  what holds of it"},
     {"extraction:save",
-     "x:save(path) -> true | nil, message  .vtu .mesh .msh: all tissues with ids and names; a path without "
-     "extension: a folder with one .obj for each muscle"},
+     "x:save(path) -> true | nil, message  .vtu .msh: all tissues with ids and names, the field envelope, "
+     "and per tet "
+     "fiber (unit vectors) and tendon (1 or 0) when it comes from a scene; .mesh: ids and names, tendon with "
+     "ids of its "
+     "own after the last tissue; a path without extension: a folder with one .obj for each muscle"},
+    {"extraction:fiber_lines", "x:fiber_lines{count=100, file=} -> {NAME={line, ...}, ...}  as "
+                               "part:fiber_lines, for every muscle that has fibers"},
     {"extraction:close", "x:close()  gives its memory back at once"},
     {"part:name", "part:name() -> string"},
     {"part:volume", "part:volume() -> number"},
     {"part:tet_count", "part:tet_count() -> number"},
     {"part:surface", "part:surface() -> surface  its boundary"},
-    {"part:save",
-     "part:save(path) -> true | nil, message  .obj .ply .stl .off: the surface; .vtu .mesh .msh: the tets"},
+    {"part:save", "part:save(path) -> true | nil, message  .obj .ply .stl .off: the surface; .vtu .mesh "
+                  ".msh: the tets, with "
+                  "fibers as x:save"},
+    {"part:fibers", "part:fibers{points=, heads=, kind=, angle=, sheets=, axis=, frame_angle=} -> list of "
+                    "{point=, direction=, u=, "
+                    "tendon=}, {sinks=, sources=, flipped=, still=, worst_turn=}  one entry per tet of the "
+                    "part: its centre, the "
+                    "unit direction of the fibers there, from origin to insertion, and the way u from 0 at "
+                    "the origin to 1 at the "
+                    "insertion. Then what was found of the field inside the muscle: places where u is "
+                    "smallest or largest, tets with "
+                    "directions more than 90 degrees apart, tets without a direction, the largest turn "
+                    "within a tet in degrees. The "
+                    "options give a curve to parts that have none (sinew.extract), or another one: as in "
+                    "add_muscle, set_pennation "
+                    "and set_frame"},
+    {"part:fiber_lines",
+     "part:fiber_lines{count=100, file=, ...} -> list of lines, each a list of points  through points spread "
+     "evenly "
+     "over the belly, from origin to insertion; file: .vtp or .obj; other options as part:fibers"},
+    {"part:architecture", "part:architecture{...} -> {volume=, belly_volume=, tendon_volume=, fiber_length=, "
+                          "pennation_angle=, pcsa=, "
+                          "fiber_check=}  mean length of 400 fiber lines; mean angle between fibers and the "
+                          "line of action in degrees; "
+                          "physiological cross-section: belly_volume * cos(pennation_angle) / fiber_length; "
+                          "options as part:fibers"},
     {"sinew.tets.load", "sinew.tets.load(path) -> tets | nil, message  reads .mesh .vtu .node + .ele"},
     {"tets:vertex_count", "t:vertex_count() -> number"},
     {"tets:tet_count", "t:tet_count() -> number"},

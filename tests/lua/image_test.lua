@@ -289,7 +289,7 @@ end)
 
 test("render: wrong options", function()
     local function bad(pattern, o) checkerr(pattern, scene.render, scene, o) end
-    bad("unknown option 'sise' (did you mean 'size'? known: file, size, camera, show, clip, background, skin_opacity, samples)",
+    bad("unknown option 'sise' (did you mean 'size'? known: file, size, camera, show, clip, background, skin_opacity, samples, fiber_count)",
         {sise = {1, 1}})
     bad("option 'size': {width, height} expected", {size = 800})
     bad("option 'size': {width, height} expected", {size = {800}})

@@ -104,8 +104,9 @@ static void a_path_without_extension_is_a_folder(void **state)
     (void)state;
     sn_extraction x = four_tissues();
     sn_error err = {0};
-    if (sn_extraction_save(&x, in_folder("parts"), &err)) fail_msg("%s", err.msg);
-    assert_int_equal(sn_extraction_save(&x, in_folder("parts"), &err), SN_OK); /* again: files are replaced */
+    if (sn_extraction_save(&x, NULL, in_folder("parts"), NULL, &err)) fail_msg("%s", err.msg);
+    assert_int_equal(sn_extraction_save(&x, NULL, in_folder("parts"), NULL, &err),
+                     SN_OK); /* again: files are replaced */
     assert_int_not_equal(access(in_folder("parts/fat.obj"), F_OK), 0);
     assert_int_not_equal(access(in_folder("parts/t3.obj"), F_OK), 0);
     for (int i = 1; i <= 2; i++) {
@@ -116,7 +117,7 @@ static void a_path_without_extension_is_a_folder(void **state)
         assert_true(fabs(sn_tri_mesh_volume(&s) - sn_extraction_part_volume(&x, i)) < 1e-12);
         sn_tri_mesh_free(&s);
     }
-    assert_int_equal(sn_extraction_save(&x, in_folder("none/parts"), &err), SN_EIO);
+    assert_int_equal(sn_extraction_save(&x, NULL, in_folder("none/parts"), NULL, &err), SN_EIO);
     assert_non_null(strstr(err.msg, "none/parts"));
     sn_extraction_free(&x);
 }
@@ -130,7 +131,7 @@ static void files_hold_all_tissues(void **state)
     for (int i = 0; i < 2; i++) {
         sn_tet_mesh m;
         sn_tet_mesh_init(&m);
-        if (sn_extraction_save(&x, in_folder(file[i]), &err)) fail_msg("%s", err.msg);
+        if (sn_extraction_save(&x, NULL, in_folder(file[i]), NULL, &err)) fail_msg("%s", err.msg);
         if (sn_tet_mesh_load(&m, in_folder(file[i]), &err)) fail_msg("%s", err.msg);
         assert_int_equal(m.n_tet, x.mesh.n_tet);
         assert_int_equal(m.n_vert, x.mesh.n_vert);
@@ -139,7 +140,7 @@ static void files_hold_all_tissues(void **state)
         assert_memory_equal(m.part, x.mesh.part, (size_t)m.n_tet * sizeof *m.part);
         sn_tet_mesh_free(&m);
     }
-    assert_int_equal(sn_extraction_save(&x, in_folder("all.msh"), &err), SN_OK);
+    assert_int_equal(sn_extraction_save(&x, NULL, in_folder("all.msh"), NULL, &err), SN_OK);
     for (int i = 0; i < 3; i++) { /* the names are in the file; t3 as well, though it is empty */
         char *text = NULL;
         size_t size = 0;
@@ -153,7 +154,7 @@ static void files_hold_all_tissues(void **state)
         if (i == 2) assert_non_null(strstr(text, "\"t3\""));
         sn_release(text);
     }
-    assert_int_equal(sn_extraction_save(&x, in_folder("all.step"), &err), SN_EINVAL);
+    assert_int_equal(sn_extraction_save(&x, NULL, in_folder("all.step"), NULL, &err), SN_EINVAL);
     assert_non_null(strstr(err.msg, "all.step: no tet mesh format to write 'step' (known: .vtu .mesh .msh)"));
     assert_int_not_equal(access(in_folder("all.step"), F_OK), 0);
     sn_extraction_free(&x);
@@ -196,7 +197,7 @@ static void a_checker_of_another_make_agrees(void **state)
     if (system("python3 -c '' 2>/dev/null") != 0) skip();
     char line[512], want[128];
     sn_extraction x = four_tissues();
-    assert_int_equal(sn_extraction_save(&x, in_folder("all.mesh"), NULL), SN_OK);
+    assert_int_equal(sn_extraction_save(&x, NULL, in_folder("all.mesh"), NULL, NULL), SN_OK);
     assert_int_equal(run_checker(in_folder("all.mesh"), line, sizeof line), 0);
     (void)snprintf(want, sizeof want, "tets %d, materials 3, volume %.9g, ok\n", x.mesh.n_tet,
                    x.input_volume);
@@ -207,7 +208,7 @@ static void a_checker_of_another_make_agrees(void **state)
     double *value = new_values(&m, 8);
     for (int k = 0; k < 8 * m.n_vert; k++) value[k] = below(3);
     x = extract(&m, value, 8);
-    assert_int_equal(sn_extraction_save(&x, in_folder("all.mesh"), NULL), SN_OK);
+    assert_int_equal(sn_extraction_save(&x, NULL, in_folder("all.mesh"), NULL, NULL), SN_OK);
     if (run_checker(in_folder("all.mesh"), line, sizeof line)) fail_msg("%s", line);
     sn_extraction_free(&x);
     sn_release(value);

@@ -729,7 +729,7 @@ static void the_scene_can_be_drawn(void **state)
     sn_image_init(&a);
     sn_image_init(&b);
     assert_int_equal(sn_camera_preset(&opt.camera, "front", sn_scene_bounds(s), SN_UP_Y, 0.75, NULL), SN_OK);
-    if (sn_scene_render(s, &opt, NULL, &a, &stats, &err)) fail_msg("%s", err.msg); /* solves first */
+    if (sn_scene_render(s, &opt, 1, NULL, &a, &stats, &err)) fail_msg("%s", err.msg); /* solves first */
     assert_non_null(sn_scene_fields(s));
     assert_false(stats.is_blank);
     assert_true(stats.tets_sent > 0);
@@ -737,12 +737,12 @@ static void the_scene_can_be_drawn(void **state)
     assert_int_equal(a.height, 128);
     opt.show_muscles = false; /* bones alone need no fields: stale ones stay so */
     assert_int_equal(sn_scene_set_fat(s, 0.5, NULL), SN_OK);
-    if (sn_scene_render(s, &opt, NULL, &b, &stats, &err)) fail_msg("%s", err.msg);
+    if (sn_scene_render(s, &opt, 1, NULL, &b, &stats, &err)) fail_msg("%s", err.msg);
     assert_null(sn_scene_fields(s));
     assert_int_equal(stats.tets_sent, 0);
     assert_memory_not_equal(a.rgba, b.rgba, 4 * 96 * 128);
     opt.width = 0;
-    assert_int_equal(sn_scene_render(s, &opt, NULL, &b, NULL, &err), SN_EINVAL);
+    assert_int_equal(sn_scene_render(s, &opt, 1, NULL, &b, NULL, &err), SN_EINVAL);
     sn_image_free(&a);
     sn_image_free(&b);
     sn_scene_destroy(s);
@@ -750,7 +750,7 @@ static void the_scene_can_be_drawn(void **state)
     assert_int_equal(sn_scene_add_bone(s, "upper", &upper, NULL), SN_OK);
     opt.width = 96;
     opt.show_muscles = true;
-    assert_int_equal(sn_scene_render(s, &opt, NULL, &b, &stats, &err), SN_OK);
+    assert_int_equal(sn_scene_render(s, &opt, 1, NULL, &b, &stats, &err), SN_OK);
     assert_false(stats.is_blank);
     sn_image_free(&b);
     sn_scene_destroy(s);

@@ -11,7 +11,7 @@ static double volume_of(sn_scene *s, int32_t i)
 {
     double volume = -1.0;
     sn_error err = {.msg = ""};
-    if (sn_scene_muscle_volume(s, i, NULL, &volume, &err)) fail_msg("%s", err.msg);
+    if (sn_scene_muscle_volume(s, i, &one_thread, &volume, &err)) fail_msg("%s", err.msg);
     return volume;
 }
 
@@ -20,7 +20,7 @@ static double extracted_volume(sn_scene *s, int32_t i)
     sn_extraction x;
     sn_error err = {.msg = ""};
     sn_extraction_init(&x);
-    if (sn_scene_extract(s, NULL, NULL, &x, &err)) fail_msg("%s", err.msg);
+    if (sn_scene_extract(s, NULL, &one_thread, &x, &err)) fail_msg("%s", err.msg);
     double volume = sn_extraction_part_volume(&x, 1 + i);
     sn_extraction_free(&x);
     return volume;
@@ -29,13 +29,13 @@ static double extracted_volume(sn_scene *s, int32_t i)
 static void set_volume(sn_scene *s, int32_t i, double volume)
 {
     sn_error err = {.msg = ""};
-    if (sn_scene_set_volume(s, i, volume, NULL, &err)) fail_msg("%s", err.msg);
+    if (sn_scene_set_volume(s, i, volume, &one_thread, &err)) fail_msg("%s", err.msg);
 }
 
 static void keep(sn_scene *s, int32_t i, bool is_kept)
 {
     sn_error err = {.msg = ""};
-    if (sn_scene_set_preserve_volume(s, i, is_kept, NULL, &err)) fail_msg("%s", err.msg);
+    if (sn_scene_set_preserve_volume(s, i, is_kept, &one_thread, &err)) fail_msg("%s", err.msg);
 }
 
 static void assert_rel(double found, double want, double tolerance)
@@ -124,17 +124,19 @@ static void wrong_volumes(void **state)
            now[8], v;
     double *before = copy_fields(s);
     read_tissues(s, tissue);
-    assert_message(sn_scene_set_volume(s, 0, 0.0, NULL, &err), &err,
+    assert_message(sn_scene_set_volume(s, 0, 0.0, &one_thread, &err), &err,
                    "muscle 'flexor': volume is 0, need > 0");
-    assert_message(sn_scene_set_volume(s, 0, -2.0, NULL, &err), &err,
+    assert_message(sn_scene_set_volume(s, 0, -2.0, &one_thread, &err), &err,
                    "muscle 'flexor': volume is -2, need > 0");
-    assert_message(sn_scene_set_volume(s, 0, (double)NAN, NULL, &err), &err, "volume is nan, need > 0");
-    assert_message(sn_scene_set_volume(s, 0, (double)INFINITY, NULL, &err), &err, "volume is inf, need > 0");
-    assert_message(sn_scene_set_volume(s, 3, 1.0, NULL, &err), &err, "muscle 4, need 1..3");
-    assert_message(sn_scene_muscle_volume(s, -1, NULL, &v, &err), &err, "muscle 0, need 1..3");
-    assert_message(sn_scene_set_preserve_volume(s, 5, true, NULL, &err), &err, "muscle 6, need 1..3");
+    assert_message(sn_scene_set_volume(s, 0, (double)NAN, &one_thread, &err), &err,
+                   "volume is nan, need > 0");
+    assert_message(sn_scene_set_volume(s, 0, (double)INFINITY, &one_thread, &err), &err,
+                   "volume is inf, need > 0");
+    assert_message(sn_scene_set_volume(s, 3, 1.0, &one_thread, &err), &err, "muscle 4, need 1..3");
+    assert_message(sn_scene_muscle_volume(s, -1, &one_thread, &v, &err), &err, "muscle 0, need 1..3");
+    assert_message(sn_scene_set_preserve_volume(s, 5, true, &one_thread, &err), &err, "muscle 6, need 1..3");
     assert_memory_equal(before, sn_scene_fields(s), fields_size(s));
-    assert_message(sn_scene_set_volume(s, 0, 1.01 * body, NULL, &err), &err,
+    assert_message(sn_scene_set_volume(s, 0, 1.01 * body, &one_thread, &err), &err,
                    "muscle 'flexor': no tissue value gives a volume of ");
     assert_non_null(strstr(err.msg, ": crowded by its neighbours and the skin it can reach at most "));
     double most = atof(strstr(err.msg, "at most ") + 8);
@@ -149,7 +151,7 @@ static void wrong_volumes(void **state)
     sn_release(before);
     sn_scene_destroy(s);
     assert_int_equal(sn_scene_create(&s, "empty", "m", SN_UP_Y, NULL), SN_OK);
-    assert_message(sn_scene_muscle_volume(s, 0, NULL, &v, &err), &err, "muscle 1, need 1..0");
+    assert_message(sn_scene_muscle_volume(s, 0, &one_thread, &v, &err), &err, "muscle 1, need 1..0");
     sn_scene_destroy(s);
 }
 
@@ -161,7 +163,7 @@ static void an_empty_muscle_has_nothing_to_keep(void **state)
     const sn_head *h = &sn_scene_muscle(s, FLEXOR)->head[0]; /* the curve of a stronger one */
     assert_int_equal(sn_scene_add_muscle(s, "weak", h->point, (double[]){1e-3, 1e-3, 1e-3}, 3, NULL), SN_OK);
     assert_true(volume_of(s, 3) == 0.0);
-    assert_message(sn_scene_set_preserve_volume(s, 3, true, NULL, &err), &err,
+    assert_message(sn_scene_set_preserve_volume(s, 3, true, &one_thread, &err), &err,
                    "muscle 'weak': it is empty, there is no volume to keep");
     assert_true(sn_scene_kept_volume(s, 3) == 0.0);
     sn_scene_destroy(s);
@@ -317,7 +319,7 @@ static void crowded_out(void **state)
     assert_int_equal(sn_scene_set_skin(s, &thin, NULL), SN_OK);
     read_tissues(s, tissue);
     for (int round = 0; round < 2; round++) { /* it fails each time, and the same way */
-        assert_message(sn_scene_solve(s, NULL, NULL, &err), &err,
+        assert_message(sn_scene_solve(s, &one_thread, NULL, &err), &err,
                        "muscle 'flexor': no tissue value gives a volume of 4.6: ");
         assert_non_null(strstr(err.msg, "crowded by its neighbours and the skin it can reach at most "));
         assert_null(sn_scene_fields(s));
@@ -325,7 +327,8 @@ static void crowded_out(void **state)
         assert_memory_equal(tissue, now, sizeof now);
     }
     double volume;
-    assert_message(sn_scene_muscle_volume(s, ABDUCTOR, NULL, &volume, &err), &err, "muscle 'flexor': ");
+    assert_message(sn_scene_muscle_volume(s, ABDUCTOR, &one_thread, &volume, &err), &err,
+                   "muscle 'flexor': ");
     assert_rel(sn_scene_kept_volume(s, FLEXOR), 4.6, 1e-4);
     keep(s, FLEXOR, false);
     solve_scene(s);
@@ -346,7 +349,7 @@ static void too_much_for_two(void **state)
     set_volume(s, FLEXOR, most);
     keep(s, FLEXOR, true);
     read_tissues(s, tissue);
-    sn_status st = sn_scene_set_volume(s, EXTENSOR, most, NULL, &err);
+    sn_status st = sn_scene_set_volume(s, EXTENSOR, most, &one_thread, &err);
     assert_message(st, &err, "the volumes to be kept do not fit side by side: after ");
     assert_non_null(strstr(err.msg, " rounds muscle '"));
     assert_non_null(strstr(err.msg, "' is still off by "));
