@@ -20,7 +20,6 @@ struct sn_cholesky {
     cholmod_factor *factor;
     int32_t *number; /* n_row of the matrix */
     int32_t n, n_row;
-    cholmod_dense *y, *e; /* workspaces of cholmod_l_solve2 */
 };
 
 static sn_status fail_by_status(const cholmod_common *c, const char *what, sn_error *err)
@@ -72,13 +71,13 @@ static int use_one_thread(void)
 {
     int levels = omp_get_max_active_levels();
     openblas_set_num_threads(1);
-    if (!omp_in_parallel()) omp_set_max_active_levels(0);
+    omp_set_max_active_levels(0);
     return levels;
 }
 
 static void use_threads_again(int levels)
 {
-    if (!omp_in_parallel()) omp_set_max_active_levels(levels);
+    omp_set_max_active_levels(levels);
 }
 
 static void set_up(cholmod_common *c)
@@ -204,8 +203,6 @@ void sn_cholesky_destroy(sn_cholesky *c)
     if (!c) return;
     if (c->symbolic) cholmod_l_free_factor(&c->symbolic, &c->common);
     if (c->factor) cholmod_l_free_factor(&c->factor, &c->common);
-    if (c->y) cholmod_l_free_dense(&c->y, &c->common);
-    if (c->e) cholmod_l_free_dense(&c->e, &c->common);
     cholmod_l_finish(&c->common);
     sn_release(c->number);
     sn_release(c);
@@ -228,7 +225,8 @@ sn_status sn_cholesky_factorize(sn_cholesky *c, const sn_csr *a, const sn_run *r
     return sn_run_step(run, "factorizing", 1.0, err);
 }
 
-sn_status sn_cholesky_solve(sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run, sn_error *err)
+/* With a workspace of its own, so that many threads may use one factor. */
+sn_status sn_cholesky_solve(const sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run, sn_error *err)
 {
     cholmod_dense b = {.nrow = (size_t)c->n,
                        .ncol = (size_t)n_rhs,
@@ -238,18 +236,20 @@ sn_status sn_cholesky_solve(sn_cholesky *c, double *x, int32_t n_rhs, const sn_r
                        .xtype = CHOLMOD_REAL,
                        .dtype = CHOLMOD_DOUBLE};
     cholmod_dense *result = NULL;
+    cholmod_common common;
     sn_status st = sn_run_step(run, "solving", -1.0, err);
     if (st) return st;
+    set_up(&common);
     int levels = use_one_thread();
-    int ok = cholmod_l_solve2(CHOLMOD_A, c->factor, &b, NULL, &result, NULL, &c->y, &c->e, &c->common);
+    result = cholmod_l_solve(CHOLMOD_A, c->factor, &b, &common);
     use_threads_again(levels);
-    if (!ok || !result || c->common.status < 0) {
-        if (result) cholmod_l_free_dense(&result, &c->common);
-        return fail_by_status(&c->common, "solve", err);
-    }
-    memcpy(x, result->x, b.nzmax * sizeof *x);
-    cholmod_l_free_dense(&result, &c->common);
-    return SN_OK;
+    if (result && common.status >= 0)
+        memcpy(x, result->x, b.nzmax * sizeof *x);
+    else
+        st = fail_by_status(&common, "solve", err);
+    if (result) cholmod_l_free_dense(&result, &common);
+    cholmod_l_finish(&common);
+    return st;
 }
 
 /* ---- entries of the inverse ----

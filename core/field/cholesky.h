@@ -7,7 +7,7 @@
 #include "base/run.h"
 #include "field/laplacian.h"
 
-typedef struct sn_cholesky sn_cholesky; /* opaque: one thread at a time */
+typedef struct sn_cholesky sn_cholesky; /* opaque; const = may be used by many threads */
 
 /* Orders and analyses the rows and columns of a with number[i] >= 0, where number maps them one to one onto
  * 0..n-1; the others are left out. rank: a value per unknown, those with the lowest are eliminated first
@@ -32,7 +32,7 @@ SN_MUST_USE sn_status sn_cholesky_factorize(sn_cholesky *c, const sn_csr *a, con
                                             sn_error *err);
 /* x: n x n_rhs, column-major, right-hand sides in and solutions out. Needs a factor. Errors: SN_ESOLVE,
  * SN_ENOMEM, SN_ECANCEL, SN_ELIMIT; x is then untouched. */
-SN_MUST_USE sn_status sn_cholesky_solve(sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run,
+SN_MUST_USE sn_status sn_cholesky_solve(const sn_cholesky *c, double *x, int32_t n_rhs, const sn_run *run,
                                         sn_error *err);
 /* The rows and columns index[0..n_index) (unknowns, all different) of the inverse. out: n_index x n_index,
  * symmetric, whole. Touches only the columns of the factor on the paths from these unknowns to the root of

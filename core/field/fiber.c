@@ -9,7 +9,7 @@
 #define ALPHA 5.0        /* weight of the curve's direction, as in the tissue functions          */
 #define LEAST_SHARE 1e-3 /* a tet with less counts as this much: the matrix stays well behaved   */
 #define ANCHOR_REL 1e-8  /* of the mean diagonal: holds pieces that reach no end to the curve    */
-#define AT_END_REL 0.04 /* of the curve: so near to an end u is given, too: caps are never quite flat */
+#define AT_END_REL 0.04  /* of the curve: so near to an end u is given, too: caps are never quite flat */
 #define END_REL 0.04     /* of the curve: how much of a muscle that stops short counts as its end */
 
 /* ---- the tets that take part ---- */

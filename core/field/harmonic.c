@@ -61,7 +61,7 @@ void sn_harmonic_destroy(sn_harmonic *h)
     sn_release(h);
 }
 
-sn_status sn_harmonic_solve(sn_harmonic *h, const int32_t *fixed, int32_t n_fixed, const double *value,
+sn_status sn_harmonic_solve(const sn_harmonic *h, const int32_t *fixed, int32_t n_fixed, const double *value,
                             int32_t n_field, const sn_run *run, double *out, sn_error *err)
 {
     size_t n = (size_t)h->n, p = (size_t)n_fixed;

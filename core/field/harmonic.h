@@ -8,7 +8,7 @@
 
 #include "field/laplacian.h"
 
-typedef struct sn_harmonic sn_harmonic; /* opaque; one thread at a time */
+typedef struct sn_harmonic sn_harmonic; /* opaque; const = may be used by many threads */
 
 /* laplacian: of the whole mesh, borrowed for the call. rank: an order of elimination for its rows (see
  * cholesky.h), NULL: one is found, which takes longer than all the rest. Errors: SN_ENOMEM, SN_ESOLVE,
@@ -20,7 +20,7 @@ void sn_harmonic_destroy(sn_harmonic *h); /* NULL is fine */
 /* fixed: n_fixed >= 1 vertices, all different. value: n_fixed x n_field, column-major. out: n_vert x n_field,
  * column-major; the values at the fixed vertices are exact. A piece of the mesh with no fixed vertex gets 0.
  * Errors: SN_ESOLVE, SN_ENOMEM, SN_ECANCEL. */
-SN_MUST_USE sn_status sn_harmonic_solve(sn_harmonic *h, const int32_t *fixed, int32_t n_fixed,
+SN_MUST_USE sn_status sn_harmonic_solve(const sn_harmonic *h, const int32_t *fixed, int32_t n_fixed,
                                         const double *value, int32_t n_field, const sn_run *run, double *out,
                                         sn_error *err);
 

@@ -104,7 +104,7 @@ static sn_status spread_init(spread *s, const sn_tet_mesh *m, const sn_collocati
     return SN_OK;
 }
 
-sn_status sn_frame_field(sn_harmonic *h, const sn_tet_mesh *m, const sn_collocation *row,
+sn_status sn_frame_field(const sn_harmonic *h, const sn_tet_mesh *m, const sn_collocation *row,
                          const sn_paths *paths, const sn_run *run, sn_triad *frame, sn_error *err)
 {
     spread s = {0};

@@ -13,7 +13,7 @@
 /* frame: n_vert, orthonormal and right-handed at every vertex. row: at least one. Where the spread frames
  * cancel out, the frame of the nearest collocation point stands in. Errors: SN_ENOMEM, SN_ESOLVE, SN_ECANCEL.
  */
-SN_MUST_USE sn_status sn_frame_field(sn_harmonic *h, const sn_tet_mesh *m, const sn_collocation *row,
+SN_MUST_USE sn_status sn_frame_field(const sn_harmonic *h, const sn_tet_mesh *m, const sn_collocation *row,
                                      const sn_paths *paths, const sn_run *run, sn_triad *frame,
                                      sn_error *err);
 

@@ -77,7 +77,18 @@ static sn_status need_solver(sn_scene *s, const sn_run *run, sn_error *err)
     return s->solver ? SN_OK : sn_tissue_solver_create(&s->solver, &s->body, run, err);
 }
 
-static sn_status make_tensor(sn_scene *s, scene_muscle *m, const sn_run *run, sn_error *err)
+static sn_status need_harmonic(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    if (s->harmonic) return SN_OK;
+    int32_t *rank = SN_NEW(int32_t, s->body.mesh.n_vert);
+    if (!rank) return sn_scene_no_memory(err);
+    sn_tissue_solver_order(s->solver, rank);
+    sn_status st = sn_harmonic_create(&s->harmonic, sn_tissue_solver_laplacian(s->solver), rank, run, err);
+    sn_release(rank);
+    return st;
+}
+
+static sn_status make_tensor(const sn_scene *s, scene_muscle *m, const sn_run *run, sn_error *err)
 {
     int32_t n = s->body.mesh.n_vert;
     sn_triad *frame = SN_NEW(sn_triad, n);
@@ -91,17 +102,6 @@ static sn_status make_tensor(sn_scene *s, scene_muscle *m, const sn_run *run, sn
     return sn_muscle_blame(&m->muscle, -1, st, err);
 }
 
-static sn_status need_harmonic(sn_scene *s, const sn_run *run, sn_error *err)
-{
-    if (s->harmonic) return SN_OK;
-    int32_t *rank = SN_NEW(int32_t, s->body.mesh.n_vert);
-    if (!rank) return sn_scene_no_memory(err);
-    sn_tissue_solver_order(s->solver, rank);
-    sn_status st = sn_harmonic_create(&s->harmonic, sn_tissue_solver_laplacian(s->solver), rank, run, err);
-    sn_release(rank);
-    return st;
-}
-
 /* A frame with eigenvalues (1, 1, 1) only says where e2 points: the muscle is isotropic. */
 static bool is_anisotropic(const sn_muscle *m)
 {
@@ -109,38 +109,91 @@ static bool is_anisotropic(const sn_muscle *m)
     return m->anisotropy.is_on && !(l[0] == 1.0 && l[1] == 1.0 && l[2] == 1.0);
 }
 
-/* Tensors of the anisotropic muscles; those of others are let go. */
+static void drop_tensor(scene_muscle *m)
+{
+    sn_release(m->tensor);
+    m->tensor = NULL;
+    m->has_tensor = false;
+}
+
+/* Tensors of the anisotropic muscles, many at a time; those of others are let go. */
 static sn_status need_tensors(sn_scene *s, const sn_run *run, sn_error *err)
 {
-    for (int32_t i = 0; i < s->n_muscle; i++) {
-        scene_muscle *m = s->muscle[i];
-        if (!is_anisotropic(&m->muscle)) {
-            sn_release(m->tensor);
-            m->tensor = NULL;
-            m->has_tensor = false;
+    sn_status *status = SN_NEW_ZERO(sn_status, s->n_muscle);
+    sn_error *error = SN_NEW_ZERO(sn_error, s->n_muscle);
+    sn_run each = run ? *run : (sn_run){0};
+    each.progress = NULL; /* only the thread that called may report */
+    each.n_threads = 1;
+    sn_status st =
+        status && error ? sn_run_step(run, "spreading frames", -1.0, err) : sn_scene_no_memory(err);
+    if (!st) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(sn_run_threads(run))
+        for (int32_t i = 0; i < s->n_muscle; i++) {
+            scene_muscle *m = s->muscle[i];
+            if (!is_anisotropic(&m->muscle))
+                drop_tensor(m);
+            else if (!m->has_tensor)
+                status[i] = make_tensor(s, m, &each, &error[i]);
         }
-        if (!is_anisotropic(&m->muscle) || m->has_tensor) continue;
-        sn_status st = need_harmonic(s, run, err);
-        if (!st) st = make_tensor(s, m, run, err);
-        if (st) return st;
     }
-    return SN_OK;
+    for (int32_t i = 0; i < s->n_muscle && !st; i++) {
+        st = status[i];
+        if (st && err) *err = error[i];
+    }
+    sn_release(status);
+    sn_release(error);
+    return st;
+}
+
+static bool needs_frames(const sn_scene *s)
+{
+    bool needed = false;
+    for (int32_t i = 0; i < s->n_muscle; i++)
+        needed = needed || (is_anisotropic(&s->muscle[i]->muscle) && !s->muscle[i]->has_tensor);
+    return needed;
+}
+
+static sn_status make_factor(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    sn_status st = sn_tissue_solver_set_curves(s->solver, s->inputs, s->n_muscle, s->alpha, run, err);
+    s->has_factor = st == SN_OK;
+    return st;
+}
+
+/* The factor for the curves and that for frames: side by side when both are wanted. */
+static sn_status make_factors(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    bool wants_curves = !s->has_factor, wants_frames = needs_frames(s) && !s->harmonic;
+    if (!wants_curves || !wants_frames) {
+        sn_status st = wants_curves ? make_factor(s, run, err) : SN_OK;
+        return !st && wants_frames ? need_harmonic(s, run, err) : st;
+    }
+    sn_status st = SN_OK, beside = SN_OK;
+    sn_error error;
+    sn_run quiet = run ? *run : (sn_run){0};
+    quiet.progress = NULL; /* only the thread that called may report */
+#pragma omp parallel sections num_threads(sn_run_threads(run) > 1 ? 2 : 1)
+    {
+#pragma omp section
+        beside = need_harmonic(s, &quiet, &error);
+#pragma omp section
+        st = make_factor(s, &quiet, err);
+    }
+    if (!st && beside && err) *err = error;
+    return st ? st : beside;
 }
 
 static sn_status need_factor(sn_scene *s, const sn_run *run, bool *was_factorized, sn_error *err)
 {
+    sn_status st = sn_run_step(run, "factorizing", 0.0, err);
     *was_factorized = !s->has_factor;
-    if (!s->has_factor) {
-        sn_release(s->inputs);
+    if (!st && !s->inputs) {
         s->inputs = SN_NEW(sn_tissue_muscle, s->n_muscle);
         if (!s->inputs) return sn_scene_no_memory(err);
     }
-    for (int32_t i = 0; i < s->n_muscle; i++)
-        s->inputs[i] = (sn_tissue_muscle){&s->muscle[i]->row, s->muscle[i]->tensor};
-    if (s->has_factor) return SN_OK;
-    sn_status st = sn_tissue_solver_set_curves(s->solver, s->inputs, s->n_muscle, s->alpha, run, err);
-    s->has_factor = st == SN_OK;
-    return st;
+    for (int32_t i = 0; !st && i < s->n_muscle; i++)
+        s->inputs[i] = (sn_tissue_muscle){&s->muscle[i]->row, NULL};
+    return st ? st : make_factors(s, run, err);
 }
 
 static sn_status need_values(sn_scene *s, const sn_run *run, sn_error *err)
@@ -175,10 +228,11 @@ sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report
     sn_status st = need_body(s, run, &r.was_meshed, err);
     if (!st) st = need_rows(s, err);
     if (!st) st = need_solver(s, run, err);
+    if (!st) st = need_factor(s, run, &r.was_factorized, err);
     double frames = sn_clock();
     if (!st) st = need_tensors(s, run, err);
     r.seconds_frames = sn_clock() - frames;
-    if (!st) st = need_factor(s, run, &r.was_factorized, err);
+    for (int32_t i = 0; !st && i < s->n_muscle; i++) s->inputs[i].tensor = s->muscle[i]->tensor;
     if (!st) st = need_values(s, run, err);
     if (!st && !s->is_volume_kept) st = sn_scene_keep_volumes(s, run, err);
     if (st) return st;

@@ -129,6 +129,48 @@ static void the_assembly_knows_every_place(void **state)
     sn_tet_mesh_free(&m);
 }
 
+/* A part of the domain: each tet counts by its share, so weights of 1 and shares that add up give L again. */
+static void tets_count_by_their_weight(void **state)
+{
+    (void)state;
+    sn_tet_mesh m = made_lattice(4, sn_v3(0, 0, 0), 1.0);
+    shake_mesh(&m, 0.1);
+    sn_csr all = {0}, part = {0};
+    sn_assembly s = {0};
+    double *weight = calloc((size_t)m.n_tet, sizeof *weight), largest = 0.0, *sum;
+    assert_int_equal(sn_laplacian_build(&all, &s, &m, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&part, &s, &m, NULL, NULL), SN_OK);
+    size_t n = (size_t)all.ptr[all.n];
+    sum = calloc(n, sizeof *sum);
+    for (int round = 0; round < 2; round++) {
+        uint64_t h = 5;
+        for (int32_t t = 0; t < m.n_tet; t++) weight[t] = round + (round ? -1.0 : 1.0) * made_random(&h);
+        sn_laplacian_set_weighted(&part, &s, &m, weight);
+        for (size_t k = 0; k < n; k++) sum[k] += part.val[k];
+    }
+    for (size_t k = 0; k < n; k++) largest = fmax(largest, fabs(all.val[k]));
+    for (size_t k = 0; k < n; k++) assert_true(fabs(sum[k] - all.val[k]) < 1e-14 * largest);
+    memset(weight, 0, (size_t)m.n_tet * sizeof *weight);
+    weight[7] = 0.5; /* one half of one tet: nothing but its own 16 entries */
+    sn_laplacian_set_weighted(&part, &s, &m, weight);
+    sn_vec3 g[4];
+    double unit = 0.5 * sn_tet_gradients(&m, 7, g) / sn_box3_diagonal(sn_tet_mesh_bounds(&m)), rest = 0.0;
+    for (size_t k = 0; k < n; k++) rest += fabs(part.val[k]);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 4; k++) {
+            double value = part.val[sn_csr_find(&part, m.tet[28 + i], m.tet[28 + k])];
+            assert_true(fabs(value - unit * sn_v3_dot(g[i], g[k])) < 1e-15);
+            rest -= fabs(value);
+        }
+    assert_true(fabs(rest) < 1e-14);
+    free(weight);
+    free(sum);
+    sn_csr_free(&all);
+    sn_csr_free(&part);
+    sn_assembly_free(&s);
+    sn_tet_mesh_free(&m);
+}
+
 /* n tets around the axis from vertex 0 to vertex 1. */
 static sn_tet_mesh fan_of(int32_t n)
 {
@@ -780,6 +822,7 @@ int main(void)
         cmocka_unit_test(laplacian_is_what_it_should_be),
         cmocka_unit_test(gradients_of_barycentric_functions),
         cmocka_unit_test(the_assembly_knows_every_place),
+        cmocka_unit_test(tets_count_by_their_weight),
         cmocka_unit_test(a_vertex_with_very_many_neighbours),
         cmocka_unit_test(small_matrix),
         cmocka_unit_test(linear_functions_are_exact),

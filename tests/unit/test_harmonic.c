@@ -456,6 +456,32 @@ static void orders_of_elimination(void **state)
     free_spd(&s);
 }
 
+/* The order by minimum degree, for small systems: another factor, the same solution; clones as of any. */
+static void small_systems(void **state)
+{
+    (void)state;
+    spd s = make_spd(6);
+    sn_cholesky *c[3] = {factor_of(&s, NULL), NULL, NULL};
+    double *x[3];
+    sn_error err;
+    assert_int_equal(sn_cholesky_create_small(&c[1], &s.a, s.number, 0, NULL, &err), SN_EINVAL);
+    assert_string_equal(err.msg, "cholesky: the matrix has no rows");
+    assert_null(c[1]);
+    assert_int_equal(sn_cholesky_create_small(&c[1], &s.a, s.number, s.n, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_clone(&c[2], c[1], NULL), SN_OK);
+    for (int i = 0; i < 3; i++) {
+        if (i > 0) assert_int_equal(sn_cholesky_factorize(c[i], &s.a, NULL, NULL), SN_OK);
+        x[i] = malloc((size_t)s.n * sizeof **x);
+        fill_rhs(x[i], s.n);
+        assert_int_equal(sn_cholesky_solve(c[i], x[i], 1, NULL, NULL), SN_OK);
+        sn_cholesky_destroy(c[i]);
+    }
+    for (int32_t k = 0; k < s.n; k++) assert_true(fabs(x[1][k] - x[0][k]) < 1e-11);
+    assert_memory_equal(x[1], x[2], (size_t)s.n * sizeof **x);
+    for (int i = 0; i < 3; i++) free(x[i]);
+    free_spd(&s);
+}
+
 static void dense_systems(void **state)
 {
     (void)state;
@@ -485,6 +511,7 @@ int main(void)
         cmocka_unit_test(blocks_of_the_inverse),
         cmocka_unit_test(clones_give_the_same_bits),
         cmocka_unit_test(orders_of_elimination),
+        cmocka_unit_test(small_systems),
         cmocka_unit_test(dense_systems),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
