@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-#define RUN_LENGTH 4096 /* tets summed together */
 #define SCALE_LIMIT 0x1p40
 #define VOLUME_TOL 1e-7
 
@@ -236,21 +235,21 @@ double sn_measure_tet_share(const sn_measure *m, int32_t i_tet, double scale)
 
 /* ---- all tets ---- */
 
+enum { n_part = 256 }; /* runs of tets that are summed on their own, whatever the number of threads */
+
 double sn_measure_volume(const sn_measure *m, double scale, const sn_run *run)
 {
-    int32_t n = m->mesh->n_tet, n_part = (n + RUN_LENGTH - 1) / RUN_LENGTH;
-    double total = 0.0;
-#pragma omp parallel for ordered schedule(static, 1) num_threads(sn_run_threads(run))
-    for (int32_t i = 0; i < n_part; i++) {
-        double sum = 0.0;
-        int32_t end = n - i * RUN_LENGTH < RUN_LENGTH ? n : (i + 1) * RUN_LENGTH;
-        for (int32_t t = i * RUN_LENGTH; t < end; t++) {
+    double part[n_part], total = 0.0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(sn_run_threads(run))
+    for (int i = 0; i < n_part; i++) {
+        int32_t end = (int32_t)((int64_t)m->mesh->n_tet * (i + 1) / n_part);
+        part[i] = 0.0;
+        for (int32_t t = (int32_t)((int64_t)m->mesh->n_tet * i / n_part); t < end; t++) {
             double share = sn_measure_tet_share(m, t, scale);
-            if (share > 0.0) sum += share * sn_tet_mesh_tet_volume(m->mesh, t);
+            if (share > 0.0) part[i] += share * sn_tet_mesh_tet_volume(m->mesh, t);
         }
-#pragma omp ordered
-        total += sum;
     }
+    for (int i = 0; i < n_part; i++) total += part[i];
     return total;
 }
 

@@ -80,29 +80,48 @@ static sn_head_points push_head(lua_State *L, int arg)
     return h;
 }
 
+/* The head at argument 1, in a protected call: returns what it points to, to be kept, and fills the light
+ * userdata at argument 2. */
+static int read_head(lua_State *L)
+{
+    static const char *const keys[] = {"points", "tissue", NULL};
+    sn_head_points *out = lua_touserdata(L, 2);
+    lua_settop(L, 1);
+    if (!lua_istable(L, 1))
+        return lsn_option_error(L, 1, NULL, "{points=, tissue=} expected, got %s", luaL_typename(L, 1));
+    lsn_check_keys(L, 1, keys);
+    *out = push_head(L, 1);
+    lua_createtable(L, 4, 0);
+    lua_insert(L, 1);
+    for (int i = lua_gettop(L); i > 1; i--) lua_rawseti(L, 1, i); /* the arrays live as long as this list */
+    return 1;
+}
+
+/* Raises for arg what read_head said of head i: the text in the brackets of its message. */
+static void blame_head(lua_State *L, int arg, int32_t i)
+{
+    const char *text = luaL_tolstring(L, -1, NULL), *open = strchr(text, '(');
+    size_t n = open ? strlen(open + 1) : 0;
+    if (n == 0 || open[n] != ')') (void)lua_error(L); /* none of ours: memory, say */
+    lua_pushlstring(L, open + 1, n - 1);
+    (void)lsn_option_error(L, arg, NULL, "heads[%d]: %s", i + 1, lua_tostring(L, -1));
+}
+
 /* Option `heads` of the table at arg: a list of {points=, tissue=}. Leaves what they hold on the stack. */
 static const sn_head_points *push_head_list(lua_State *L, int arg, int32_t *n)
 {
-    static const char *const keys[] = {"points", "tissue", NULL};
     int list = lua_gettop(L) + 1;
     (void)lua_getfield(L, arg, "heads");
     *n = lsn_check_list(L, list, arg, "option 'heads'");
     if (*n < 1 || *n > max_heads)
         (void)lsn_option_error(L, arg, "heads", "%d heads, need 1..%d", *n, (int)max_heads);
     sn_head_points *head = lua_newuserdatauv(L, (size_t)*n * sizeof *head, 0);
-    luaL_checkstack(L, 4 * *n + 16, "too many heads");
+    luaL_checkstack(L, *n + 16, "too many heads");
     for (int32_t i = 0; i < *n; i++) {
-        if (lua_geti(L, list, i + 1) != LUA_TTABLE)
-            (void)lsn_option_error(L, arg, NULL, "heads[%d]: {points=, tissue=} expected, got %s", i + 1,
-                                   luaL_typename(L, -1));
-        int at = lua_gettop(L);
-        lua_pushvalue(L, arg); /* the head stands in for the argument, so that messages name that */
-        lua_pushvalue(L, at);
-        lua_replace(L, arg);
-        lsn_check_keys(L, arg, keys);
-        head[i] = push_head(L, arg);
-        lua_pushvalue(L, at + 1);
-        lua_replace(L, arg);
+        lua_pushcfunction(L, read_head);
+        (void)lua_geti(L, list, i + 1);
+        lua_pushlightuserdata(L, &head[i]);
+        if (lua_pcall(L, 2, 1, 0) != LUA_OK) blame_head(L, arg, i);
     }
     return head;
 }

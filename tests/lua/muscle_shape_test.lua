@@ -98,12 +98,13 @@ test("heads: wrong options", function()
     checkerr("either option 'heads' or 'points' and 'tissue' expected, got both", add, s, "a",
              {heads = {good}, tissue = 1})
     checkerr("heads[2]: {points=, tissue=} expected, got number", add, s, "a", {heads = {good, 5}})
-    checkerr("options are given by name: {points = ...}, not as a list", add, s, "a", {heads = {good, {p1, p2}}})
-    checkerr("option 'points' is missing", add, s, "a", {heads = {good, {tissue = 1}}})
-    checkerr("unknown option 'point' (did you mean 'points'? known: points, tissue)", add, s, "a",
+    checkerr("heads[2]: options are given by name: {points = ...}, not as a list", add, s, "a",
+             {heads = {good, {p1, p2}}})
+    checkerr("heads[2]: option 'points' is missing", add, s, "a", {heads = {good, {tissue = 1}}})
+    checkerr("heads[2]: unknown option 'point' (did you mean 'points'? known: points, tissue)", add, s, "a",
              {heads = {good, {point = {p1, p2}}}})
-    checkerr("points[2]: {x, y, z} expected, got number", add, s, "a", {heads = {good, {points = {p1, 2}}}})
-    checkerr("bad argument #2 to 'add_muscle' (option 'tissue': 1 values for 2 points)", function()
+    checkerr("heads[2]: points[2]: {x, y, z} expected, got number", add, s, "a", {heads = {good, {points = {p1, 2}}}})
+    checkerr("bad argument #2 to 'add_muscle' (heads[2]: option 'tissue': 1 values for 2 points)", function()
         s:add_muscle("a", {heads = {good, {points = {p1, p2}, tissue = {1}}}})
     end)
     checkerr("muscle 'a', head 2: a curve has 1 point, need 2 or more", add, s, "a",
