@@ -9,6 +9,7 @@
 
 #include <signal.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef struct sn_run {
     int n_threads; /* 0: one per core                                          */
@@ -26,5 +27,11 @@ bool sn_run_stopped(const sn_run *run); /* cheap; from any thread */
 /* Reports progress and checks for a stop. SN_ECANCEL "interrupted" or SN_ELIMIT "time limit reached" with the
  * step. */
 SN_MUST_USE sn_status sn_run_step(const sn_run *run, const char *step, double fraction, sn_error *err);
+
+/* Calls fn for i = 0 .. n - 1, many at a time. Each call gets a run that reports no progress and has its
+ * share of the threads; an item must not depend on another. All are called even when one fails; the error is
+ * that of the lowest index. Errors: those of fn, SN_ENOMEM. */
+typedef sn_status (*sn_each_fn)(void *user, int32_t i, const sn_run *run, sn_error *err);
+SN_MUST_USE sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err);
 
 #endif

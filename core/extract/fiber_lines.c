@@ -78,14 +78,6 @@ static sn_status trace_line(const tracer *t, sn_vec3 seed, sn_polylines *out, sn
     return st;
 }
 
-static sn_vec3 centre_of(const sn_tet_mesh *m, int32_t i)
-{
-    sn_vec3 p = {0};
-    for (int k = 0; k < 4; k++)
-        p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(m, m->tet[4 * (size_t)i + (size_t)k]));
-    return p;
-}
-
 /* Seeds: the tets in their order, which goes through space, cut into n runs of equal volume of belly; the
  * middle of each. */
 static sn_status trace_all(const tracer *t, int32_t n, const sn_run *run, sn_polylines *out, sn_error *err)
@@ -94,8 +86,8 @@ static sn_status trace_all(const tracer *t, int32_t n, const sn_run *run, sn_pol
     double total = 0.0, done = 0.0, *volume = SN_NEW(double, t->mesh.n_tet);
     if (!volume) return sn_fail(err, SN_ENOMEM, "fibers: no memory");
     for (int32_t i = 0; i < t->mesh.n_tet; i++) {
-        bool is_tendon =
-            f->has_tendon && sn_tendons_at(&f->tendons, &f->fibers.paths, centre_of(&t->mesh, i)) > 0.0;
+        bool is_tendon = f->has_tendon &&
+                         sn_tendons_at(&f->tendons, &f->fibers.paths, sn_tet_mesh_centre(&t->mesh, i)) > 0.0;
         volume[i] = is_tendon ? 0.0 : sn_tet_mesh_tet_volume(&t->mesh, i);
         total += volume[i];
     }
@@ -105,7 +97,7 @@ static sn_status trace_all(const tracer *t, int32_t n, const sn_run *run, sn_pol
         done += volume[i];
         while (!st && k < n && volume[i] > 0.0 && done >= total * (k + 0.5) / n) {
             if (k % 64 == 0) st = sn_run_step(run, "tracing fibers", (double)k / n, err);
-            if (!st) st = trace_line(t, centre_of(&t->mesh, i), out, err);
+            if (!st) st = trace_line(t, sn_tet_mesh_centre(&t->mesh, i), out, err);
             k++;
         }
     }

@@ -69,14 +69,6 @@ sn_status sn_part_fibers_build(sn_part_fibers *p, const sn_extraction *x, const 
     return st;
 }
 
-static sn_vec3 centre_of(const sn_tet_mesh *m, int32_t t)
-{
-    sn_vec3 p = {0};
-    for (int k = 0; k < 4; k++)
-        p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(m, m->tet[4 * (size_t)t + (size_t)k]));
-    return p;
-}
-
 static bool is_tendon_at(const sn_part_fibers *p, sn_vec3 at)
 {
     return p->has_tendon && sn_tendons_at(&p->tendons, &p->fibers.paths, at) > 0.0;
@@ -88,7 +80,8 @@ void sn_part_fibers_sample(const sn_part_fibers *p, const sn_extraction *x, cons
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
     for (int32_t i = 0; i < p->n_tet; i++) {
         double here;
-        sn_vec3 c = centre_of(&x->mesh, p->tet[i]), d = sn_fibers_at(&p->fibers, p->source[i], c, &here);
+        sn_vec3 c = sn_tet_mesh_centre(&x->mesh, p->tet[i]),
+                d = sn_fibers_at(&p->fibers, p->source[i], c, &here);
         if (centre) centre[i] = c;
         if (direction) direction[i] = d;
         if (u) u[i] = here;
@@ -153,40 +146,36 @@ sn_status sn_part_architecture_find(const sn_part_fibers *p, const sn_extraction
 static void put_part(const sn_part_fibers *p, const sn_extraction *x, double *fiber, double *tendon)
 {
     for (int32_t i = 0; i < p->n_tet; i++) {
-        sn_vec3 c = centre_of(&x->mesh, p->tet[i]);
+        sn_vec3 c = sn_tet_mesh_centre(&x->mesh, p->tet[i]);
         sn_v3_store(fiber + 3 * (size_t)p->tet[i], sn_fibers_at(&p->fibers, p->source[i], c, NULL));
         tendon[p->tet[i]] = is_tendon_at(p, c) ? 1.0 : 0.0;
     }
 }
 
+typedef struct fibers_job {
+    const sn_extraction *x;
+    const sn_tet_mesh *input;
+    int32_t tissue; /* < 0: all */
+    double *fiber, *tendon;
+} fibers_job;
+
+static sn_status find_fibers(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    const fibers_job *j = user;
+    sn_part_fibers p;
+    if (j->tissue >= 0 && j->tissue != 1 + i) return SN_OK;
+    sn_status st = sn_part_fibers_build(&p, j->x, j->input, 1 + i, NULL, run, err);
+    if (!st) put_part(&p, j->x, j->fiber, j->tendon);
+    sn_part_fibers_free(&p);
+    return st == SN_EINVAL ? SN_OK : st; /* empty, or no way to say where fibers run */
+}
+
 sn_status sn_extraction_fibers(const sn_extraction *x, const sn_tet_mesh *input, int32_t tissue,
                                const sn_run *run, double *fiber, double *tendon, sn_error *err)
 {
-    sn_status *status = SN_NEW_ZERO(sn_status, x->n_muscle);
-    sn_error *error = SN_NEW_ZERO(sn_error, x->n_muscle);
-    sn_status st = status && error ? sn_run_step(run, "finding fibers", 0.0, err)
-                                   : sn_fail(err, SN_ENOMEM, "fibers: no memory");
-    sn_run each = run ? *run : (sn_run){0};
-    each.progress = NULL; /* only the thread that called may report */
-    each.n_threads = 1;
+    fibers_job job = {x, input, tissue, fiber, tendon};
     memset(fiber, 0, 3 * (size_t)x->mesh.n_tet * sizeof *fiber);
     memset(tendon, 0, (size_t)x->mesh.n_tet * sizeof *tendon);
-    if (!st) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(sn_run_threads(run))
-        for (int32_t i = 0; i < x->n_muscle; i++) {
-            sn_part_fibers p;
-            if (tissue >= 0 && tissue != 1 + i) continue;
-            status[i] = sn_part_fibers_build(&p, x, input, 1 + i, NULL, &each, &error[i]);
-            if (!status[i]) put_part(&p, x, fiber, tendon);
-            sn_part_fibers_free(&p);
-        }
-    }
-    for (int32_t i = 0; i < x->n_muscle && !st; i++) {
-        if (!status[i] || status[i] == SN_EINVAL) continue; /* empty, or no way to say where fibers run */
-        st = status[i];
-        if (err) *err = error[i];
-    }
-    sn_release(status);
-    sn_release(error);
-    return st;
+    sn_status st = sn_run_step(run, "finding fibers", 0.0, err);
+    return st ? st : sn_run_each(run, x->n_muscle, find_fibers, &job, err);
 }

@@ -6,9 +6,8 @@
 
 #include <string.h>
 
-#define ALPHA 5.0        /* weight of the curve's direction, as in the tissue functions          */
+#define ALPHA 50.0       /* weight of the curve's direction, against 1 of the Laplacian          */
 #define LEAST_SHARE 1e-3 /* a tet with less counts as this much: the matrix stays well behaved   */
-#define ANCHOR_REL 1e-8  /* of the mean diagonal: holds pieces that reach no end to the curve    */
 #define AT_END_REL 0.04  /* of the curve: so near to an end u is given, too: caps are never quite flat */
 #define END_REL 0.04     /* of the curve: how much of a muscle that stops short counts as its end */
 
@@ -77,6 +76,22 @@ static double insertion_radius(const sn_fibers *f, sn_vec3 end)
     return 2.0 * near + 0.02 * f->paths.head[0].length;
 }
 
+/* Tets that reach beyond an end hold some of the muscle's cap, which no free vertex may touch: it is no wall
+ * along which fibers run. */
+static void fix_caps(const sn_fibers *f, const sn_curve_place *place, bool to_point, double *value)
+{
+    for (int32_t t = 0; t < f->mesh.n_tet; t++) {
+        const int32_t *v = f->mesh.tet + 4 * (size_t)t;
+        bool is_cap = false;
+        for (int k = 0; k < 4; k++) {
+            double at = progress(f, &place[v[k]]);
+            is_cap = is_cap || at < 0.0 || (at > 1.0 && !to_point);
+        }
+        for (int k = 0; k < 4 && is_cap; k++)
+            if (isnan(value[v[k]])) value[v[k]] = progress(f, &place[v[k]]);
+    }
+}
+
 /* value[v]: u where it is given; NAN where it is free. */
 static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends *e, double *value)
 {
@@ -92,6 +107,36 @@ static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends
         if (t <= first || (!to_point && t >= last)) value[v] = t;
         if (to_point && to_end <= radius) value[v] = 1.0 - to_end / f->paths.head[place[v].head].length;
     }
+    fix_caps(f, place, to_point, value);
+}
+
+/* ---- pieces that do not reach from end to end ---- */
+
+static int32_t root_of(int32_t *parent, int32_t v)
+{
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+}
+
+/* A piece of the muscle without both ends has nothing that drives u through it: u is the place along the
+ * curve all over it. */
+static sn_status fix_pieces(const sn_fibers *f, const sn_curve_place *place, double *value, sn_error *err)
+{
+    int32_t n = f->mesh.n_vert, *parent = SN_NEW(int32_t, n);
+    unsigned char *has = SN_NEW_ZERO(unsigned char, n); /* 1: an origin, 2: an insertion */
+    sn_status st = parent && has ? SN_OK : sn_fail(err, SN_ENOMEM, "fibers: no memory for %d vertices", n);
+    for (int32_t v = 0; !st && v < n; v++) parent[v] = v;
+    for (int32_t t = 0; !st && t < f->mesh.n_tet; t++) {
+        const int32_t *v = f->mesh.tet + 4 * (size_t)t;
+        for (int k = 1; k < 4; k++) parent[root_of(parent, v[k])] = root_of(parent, v[0]);
+    }
+    for (int32_t v = 0; !st && v < n; v++)
+        if (!isnan(value[v])) has[root_of(parent, v)] |= value[v] < 0.5 ? 1 : 2;
+    for (int32_t v = 0; !st && v < n; v++)
+        if (has[root_of(parent, v)] != 3) value[v] = progress(f, &place[v]);
+    sn_release(parent);
+    sn_release(has);
+    return st;
 }
 
 /* ---- the field ---- */
@@ -101,7 +146,7 @@ typedef struct fiber_system {
     sn_assembly assembly;
     sn_curve_place *place; /* n_vert */
     ends *end;             /* n_head */
-    double *fixed, *rhs;   /* n_vert; fixed: NAN where free */
+    double *fixed;         /* n_vert; NAN where free */
     int32_t *number;       /* n_vert: unknown, or -1 */
     int32_t n_free;
     sn_cholesky *cholesky;
@@ -114,21 +159,21 @@ static void free_system(fiber_system *s)
     sn_release(s->place);
     sn_release(s->end);
     sn_release(s->fixed);
-    sn_release(s->rhs);
     sn_release(s->number);
     sn_cholesky_destroy(s->cholesky);
 }
 
-/* Adds alpha |n . grad u|^2 of one tet, in normalized lengths. */
-static void add_normal(fiber_system *s, const sn_tet_mesh *m, int32_t t, sn_vec3 n, double size)
+/* Adds alpha |n . grad u|^2 over one tet, in normalized lengths. Without the volume the term would be a
+ * constraint, the harder the finer the mesh, and the directions of neighbouring tets do not quite agree. */
+static void add_normal(fiber_system *s, const sn_fibers *f, int32_t t, sn_vec3 n, double size)
 {
     sn_vec3 g[4];
-    const int32_t *v = m->tet + 4 * (size_t)t;
-    (void)sn_tet_gradients(m, t, g);
+    const int32_t *v = f->mesh.tet + 4 * (size_t)t;
+    double weight = ALPHA * f->share[t] * sn_tet_gradients(&f->mesh, t, g) / size;
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < 4; k++)
             s->matrix.val[sn_csr_find(&s->matrix, v[i], v[k])] +=
-                ALPHA * size * sn_v3_dot(n, g[i]) * size * sn_v3_dot(n, g[k]);
+                weight * sn_v3_dot(n, g[i]) * sn_v3_dot(n, g[k]);
 }
 
 /* The directions of the curves in the tets that they cross. */
@@ -148,26 +193,14 @@ static sn_status add_curves(fiber_system *s, const sn_fibers *f, const sn_muscle
             const sn_trace_piece *p = &trace.piece[i];
             double arc = spline->arc[p->i_seg] + sn_cubic_length(&spline->seg[p->i_seg], 0.0, p->s);
             sn_triad frame = sn_path_frame(&f->paths.head[h], arc);
-            add_normal(s, &f->mesh, p->tet, frame.e2, size);
-            add_normal(s, &f->mesh, p->tet, frame.e3, size);
+            add_normal(s, f, p->tet, frame.e2, size);
+            add_normal(s, f, p->tet, frame.e3, size);
         }
         sn_trace_free(&trace);
     }
     sn_locator_destroy(locator);
     sn_body_free(&body);
     return st;
-}
-
-/* A whisper of (u - progress)^2, for pieces of the muscle that hold no end. */
-static void add_anchor(fiber_system *s, const sn_fibers *f)
-{
-    double trace = 0.0;
-    for (int32_t v = 0; v < f->mesh.n_vert; v++) trace += s->matrix.val[sn_csr_find(&s->matrix, v, v)];
-    double weight = ANCHOR_REL * trace / f->mesh.n_vert;
-    for (int32_t v = 0; v < f->mesh.n_vert; v++) {
-        s->matrix.val[sn_csr_find(&s->matrix, v, v)] += weight;
-        s->rhs[v] = weight * progress(f, &s->place[v]);
-    }
 }
 
 static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *m, const sn_run *run,
@@ -177,9 +210,8 @@ static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *
     s->place = SN_NEW(sn_curve_place, n);
     s->end = SN_NEW(ends, f->paths.n_head);
     s->fixed = SN_NEW(double, n);
-    s->rhs = SN_NEW(double, n);
     s->number = SN_NEW(int32_t, n);
-    if (!s->place || !s->end || !s->fixed || !s->rhs || !s->number)
+    if (!s->place || !s->end || !s->fixed || !s->number)
         return sn_fail(err, SN_ENOMEM, "fibers: no memory for %zu vertices", n);
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
     for (size_t v = 0; v < n; v++)
@@ -189,19 +221,20 @@ static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *
     sn_laplacian_set_weighted(&s->matrix, &s->assembly, &f->mesh, f->share);
     st = add_curves(s, f, m, err);
     if (st) return st;
-    add_anchor(s, f);
     find_ends(f, s->place, s->end);
     fix_ends(f, s->place, s->end, s->fixed);
+    st = fix_pieces(f, s->place, s->fixed, err);
+    if (st) return st;
     for (size_t v = 0; v < n; v++) s->number[v] = isnan(s->fixed[v]) ? s->n_free++ : -1;
     return SN_OK;
 }
 
-/* b on the unknowns: the anchor, less what the given values bring. */
+/* b on the unknowns: what the given values bring. */
 static void reduce_rhs(const fiber_system *s, double *b)
 {
     for (int32_t v = 0; v < s->matrix.n; v++) {
         if (s->number[v] < 0) continue;
-        double sum = s->rhs[v];
+        double sum = 0.0;
         for (int64_t k = s->matrix.ptr[v]; k < s->matrix.ptr[v + 1]; k++)
             if (s->number[s->matrix.idx[k]] < 0) sum -= s->matrix.val[k] * s->fixed[s->matrix.idx[k]];
         b[s->number[v]] = sum;
@@ -300,10 +333,8 @@ static void find_sheets(sn_fibers *f)
     f->sheet_min = INFINITY;
     f->sheet_max = -INFINITY;
     for (int32_t t = 0; t < f->mesh.n_tet; t++) {
-        sn_vec3 p = {0};
         if (f->share[t] < 0.5) continue;
-        for (int k = 0; k < 4; k++)
-            p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(&f->mesh, f->mesh.tet[4 * (size_t)t + (size_t)k]));
+        sn_vec3 p = sn_tet_mesh_centre(&f->mesh, t);
         sn_curve_place at = sn_paths_place(&f->paths, p);
         sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
         double h = off_sheet(f, p, &at, &frame);
@@ -328,7 +359,8 @@ static double lean(const sn_fibers *f, double off)
     if (f->pennation.kind == SN_UNIPENNATE) return 1.0;
     if (f->pennation.kind == SN_BIPENNATE || !(f->sheet_max > f->sheet_min)) return off > 0.0 ? -1.0 : 1.0;
     double x = (off - f->sheet_min) / (f->sheet_max - f->sheet_min) * f->pennation.n_sheet;
-    return x - floor(x) > 0.5 ? -1.0 : 1.0;
+    double below = fmin(fmax(floor(x), 0.0), f->pennation.n_sheet - 1.0);
+    return x - below > 0.5 ? -1.0 : 1.0;
 }
 
 static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)

@@ -10,10 +10,7 @@ enum { n_step = 64 };
 static void add_tet(const sn_paths *paths, const sn_tet_mesh *m, int32_t t, double volume, double *profile)
 {
     double lo = INFINITY, hi = -INFINITY;
-    sn_vec3 middle = {0};
-    for (int k = 0; k < 4; k++)
-        middle = sn_v3_mad(middle, 0.25, sn_tet_mesh_point(m, m->tet[4 * (size_t)t + (size_t)k]));
-    int32_t head = sn_paths_place(paths, middle).head;
+    int32_t head = sn_paths_place(paths, sn_tet_mesh_centre(m, t)).head;
     sn_paths one = {&paths->head[head], 1};
     double length = one.head->length;
     for (int k = 0; k < 4; k++) {

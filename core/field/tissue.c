@@ -199,73 +199,59 @@ static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t
 
 /* ---- anisotropic muscles: each with a matrix and a factor of its own, many at a time ---- */
 
-typedef struct own_solve {
-    int32_t tissue;
-    double residual;
-    sn_status status;
-    sn_error error;
-} own_solve;
+typedef struct own_solves {
+    const sn_tissue_solver *solver;
+    const int32_t *tissue;
+    double *field, *residual; /* n_vert a tissue; one of each */
+} own_solves;
 
-static sn_status solve_with(const sn_tissue_solver *s, own_solve *o, sn_csr *matrix, double *x,
-                            sn_cholesky *cholesky, const sn_run *run, double *field, sn_error *err)
+static sn_status solve_with(const own_solves *o, int32_t i, sn_csr *matrix, double *x, sn_cholesky *cholesky,
+                            const sn_run *run, sn_error *err)
 {
+    const sn_tissue_solver *s = o->solver;
+    int32_t tissue = o->tissue[i];
     sn_status st = sn_run_step(run, "assembling", -1.0, err);
     if (st) return st;
-    sn_laplacian_set_anisotropic(matrix, &s->assembly, &s->body->mesh, s->muscle[o->tissue - 1].tensor);
+    sn_laplacian_set_anisotropic(matrix, &s->assembly, &s->body->mesh, s->muscle[tissue - 1].tensor);
     add_rows(s, matrix);
     st = sn_cholesky_factorize(cholesky, matrix, run, err);
     if (st) return st;
-    muscle_rhs(s, o->tissue - 1, x);
+    muscle_rhs(s, tissue - 1, x);
     st = sn_cholesky_solve(cholesky, x, 1, run, err);
     if (st) return st;
-    put_field(s, o->tissue, 0.0, x, field);
-    o->residual =
-        residual_of(s, matrix, o->tissue, 0.0, field + (size_t)o->tissue * (size_t)s->body->mesh.n_vert, x);
+    put_field(s, tissue, 0.0, x, o->field);
+    o->residual[i] =
+        residual_of(s, matrix, tissue, 0.0, o->field + (size_t)tissue * (size_t)s->body->mesh.n_vert, x);
     return SN_OK;
 }
 
-static sn_status solve_own(const sn_tissue_solver *s, own_solve *o, const sn_run *run, double *field,
-                           sn_error *err)
+static sn_status solve_own(void *user, int32_t i, const sn_run *run, sn_error *err)
 {
+    const own_solves *o = user;
+    const sn_tissue_solver *s = o->solver;
     sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
     sn_cholesky *cholesky = NULL;
     matrix.val = SN_NEW(double, matrix.ptr[matrix.n]);
     double *x = SN_NEW(double, s->n_free);
     sn_status st = matrix.val && x ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory");
     if (!st) st = sn_cholesky_clone(&cholesky, s->cholesky, err);
-    if (!st) st = solve_with(s, o, &matrix, x, cholesky, run, field, err);
+    if (!st) st = solve_with(o, i, &matrix, x, cholesky, run, err);
     sn_cholesky_destroy(cholesky);
     sn_release(matrix.val);
     sn_release(x);
     return st;
 }
 
-/* The error is that of the first tissue in order. */
 static sn_status solve_anisotropic(sn_tissue_solver *s, const int32_t *tissue, int32_t n, const sn_run *run,
                                    double *field, sn_error *err)
 {
     if (n == 0) return SN_OK;
-    sn_status st = sn_run_step(run, "factorizing anisotropic muscles", 0.0, err);
-    own_solve *own = SN_NEW_ZERO(own_solve, n);
-    if (!st && !own) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d muscles", n);
-    int threads = sn_run_threads(run), at_once = threads < n ? threads : n;
-    sn_run each = run ? *run : (sn_run){0};
-    each.progress = NULL; /* only the thread that called may report */
-    each.n_threads = threads / at_once;
-    for (int32_t i = 0; !st && i < n; i++) own[i].tissue = tissue[i];
-    if (!st &&
-        at_once == 1) { /* inside a team of one, CHOLMOD's own loops would make new threads each time */
-        for (int32_t i = 0; i < n; i++) own[i].status = solve_own(s, &own[i], &each, field, &own[i].error);
-    } else if (!st) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once)
-        for (int32_t i = 0; i < n; i++) own[i].status = solve_own(s, &own[i], &each, field, &own[i].error);
-    }
-    for (int32_t i = 0; !st && i < n; i++) {
-        st = own[i].status;
-        if (st && err) *err = own[i].error;
-        s->report.residual = fmax(s->report.residual, own[i].residual);
-    }
-    sn_release(own);
+    own_solves o = {s, tissue, field, SN_NEW_ZERO(double, n)};
+    sn_status st = o.residual ? sn_run_step(run, "factorizing anisotropic muscles", 0.0, err)
+                              : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d muscles", n);
+    if (!st) st = sn_run_each(run, n, solve_own, &o, err);
+    for (int32_t i = 0; i < n && !st; i++) s->report.residual = fmax(s->report.residual, o.residual[i]);
+    sn_release(o.residual);
     return st;
 }
 

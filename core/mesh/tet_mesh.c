@@ -74,6 +74,14 @@ sn_status sn_tet_mesh_validate(const sn_tet_mesh *m, sn_error *err)
     return SN_OK;
 }
 
+sn_vec3 sn_tet_mesh_centre(const sn_tet_mesh *m, int32_t i_tet)
+{
+    sn_vec3 p = {0};
+    for (int k = 0; k < 4; k++)
+        p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(m, m->tet[4 * (size_t)i_tet + (size_t)k]));
+    return p;
+}
+
 sn_box3 sn_tet_mesh_bounds(const sn_tet_mesh *m)
 {
     sn_box3 b = sn_box3_empty();

@@ -35,6 +35,7 @@ static inline sn_vec3 sn_tet_mesh_point(const sn_tet_mesh *m, int32_t i_vert)
 {
     return sn_v3_load(m->pos + 3 * (size_t)i_vert);
 }
+sn_vec3 sn_tet_mesh_centre(const sn_tet_mesh *m, int32_t i_tet); /* mean of the corners */
 sn_box3 sn_tet_mesh_bounds(const sn_tet_mesh *m);
 double sn_tet_mesh_tet_volume(const sn_tet_mesh *m, int32_t i_tet);
 double sn_tet_mesh_volume(const sn_tet_mesh *m); /* sum in index order */

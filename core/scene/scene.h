@@ -130,10 +130,10 @@ SN_MUST_USE sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *op
 /* The tissue fields, n_tissue x n_vert, NULL while stale. */
 const double *sn_scene_fields(const sn_scene *s);
 
-/* opt->camera comes from the caller; see sn_scene_bounds. n_fiber: lines in each muscle when fibers are shown, at
- * least 1. Frames are drawn of muscles that have one (sn_anisotropy is_on, or pennate fibers). Solves first if
- * stale and muscles or fibers are shown and there are any; muscles without fibers (empty, heads that share no
- * end) get a note. */
+/* opt->camera comes from the caller; see sn_scene_bounds. n_fiber: lines in each muscle when fibers are
+ * shown, at least 1. Frames are drawn of muscles that have one (sn_anisotropy is_on, or pennate fibers).
+ * Solves first if stale and muscles or fibers are shown and there are any; muscles without fibers (empty,
+ * heads that share no end) get a note. */
 SN_MUST_USE sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber,
                                       const sn_run *run, sn_image *out, sn_picture_stats *stats,
                                       sn_error *err);

@@ -116,33 +116,12 @@ static void drop_tensor(scene_muscle *m)
     m->has_tensor = false;
 }
 
-/* Tensors of the anisotropic muscles, many at a time; those of others are let go. */
-static sn_status need_tensors(sn_scene *s, const sn_run *run, sn_error *err)
+static sn_status need_tensor(void *user, int32_t i, const sn_run *run, sn_error *err)
 {
-    sn_status *status = SN_NEW_ZERO(sn_status, s->n_muscle);
-    sn_error *error = SN_NEW_ZERO(sn_error, s->n_muscle);
-    sn_run each = run ? *run : (sn_run){0};
-    each.progress = NULL; /* only the thread that called may report */
-    each.n_threads = 1;
-    sn_status st =
-        status && error ? sn_run_step(run, "spreading frames", -1.0, err) : sn_scene_no_memory(err);
-    if (!st) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(sn_run_threads(run))
-        for (int32_t i = 0; i < s->n_muscle; i++) {
-            scene_muscle *m = s->muscle[i];
-            if (!is_anisotropic(&m->muscle))
-                drop_tensor(m);
-            else if (!m->has_tensor)
-                status[i] = make_tensor(s, m, &each, &error[i]);
-        }
-    }
-    for (int32_t i = 0; i < s->n_muscle && !st; i++) {
-        st = status[i];
-        if (st && err) *err = error[i];
-    }
-    sn_release(status);
-    sn_release(error);
-    return st;
+    sn_scene *s = user;
+    scene_muscle *m = s->muscle[i];
+    if (!is_anisotropic(&m->muscle)) drop_tensor(m);
+    return m->has_tensor || !is_anisotropic(&m->muscle) ? SN_OK : make_tensor(s, m, run, err);
 }
 
 static bool needs_frames(const sn_scene *s)
@@ -230,7 +209,8 @@ sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report
     if (!st) st = need_solver(s, run, err);
     if (!st) st = need_factor(s, run, &r.was_factorized, err);
     double frames = sn_clock();
-    if (!st) st = need_tensors(s, run, err);
+    if (!st) st = sn_run_step(run, "spreading frames", -1.0, err);
+    if (!st) st = sn_run_each(run, s->n_muscle, need_tensor, s, err);
     r.seconds_frames = sn_clock() - frames;
     for (int32_t i = 0; !st && i < s->n_muscle; i++) s->inputs[i].tensor = s->muscle[i]->tensor;
     if (!st) st = need_values(s, run, err);

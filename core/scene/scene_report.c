@@ -105,29 +105,25 @@ static sn_status report_fibers(const sn_scene *s, const sn_extraction *x, int32_
     return st;
 }
 
+typedef struct report_job {
+    sn_scene *scene;
+    const sn_extraction *x;
+    sn_scene_report *report;
+} report_job;
+
+static sn_status report_muscle(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    const report_job *j = user;
+    sn_status st = report_ends(j->scene, i, run, &j->report->muscle[i], err);
+    return st ? st : report_fibers(j->scene, j->x, i, run, &j->report->muscle[i], err);
+}
+
 static sn_status report_muscles(sn_scene *s, const sn_extraction *x, const sn_run *run, sn_scene_report *r,
                                 sn_error *err)
 {
-    sn_status *status = SN_NEW_ZERO(sn_status, s->n_muscle), st;
-    sn_error *error = SN_NEW_ZERO(sn_error, s->n_muscle);
-    sn_run each = run ? *run : (sn_run){0};
-    each.progress = NULL; /* only the thread that called may report */
-    each.n_threads = 1;
-    st = status && error ? sn_run_step(run, "measuring muscles", 0.0, err) : sn_scene_no_memory(err);
-    if (!st) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(sn_run_threads(run))
-        for (int32_t i = 0; i < s->n_muscle; i++) {
-            status[i] = report_ends(s, i, &each, &r->muscle[i], &error[i]);
-            if (!status[i]) status[i] = report_fibers(s, x, i, &each, &r->muscle[i], &error[i]);
-        }
-    }
-    for (int32_t i = 0; i < s->n_muscle && !st; i++) {
-        st = status[i];
-        if (st && err) *err = error[i];
-    }
-    sn_release(status);
-    sn_release(error);
-    return st;
+    report_job job = {s, x, r};
+    sn_status st = sn_run_step(run, "measuring muscles", 0.0, err);
+    return st ? st : sn_run_each(run, s->n_muscle, report_muscle, &job, err);
 }
 
 sn_status sn_scene_report_make(sn_scene *s, const sn_run *run, sn_scene_report *r, sn_error *err)
