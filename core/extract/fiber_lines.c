@@ -5,21 +5,23 @@
 #include "tetra/locate.h"
 
 enum { steps_per_curve = 128, max_steps = 4096, bisections = 12 };
-#define KINK_COS 0.3 /* neighbouring steps that turn more than this have met an aponeurosis */
+#define KINK_COS 0.3 /* a line ends where neighbouring steps turn more than this: it has no way to go on */
 
 typedef struct tracer {
     const sn_part_fibers *part;
     sn_tet_mesh mesh; /* of the part alone, in the order of part->tet */
     sn_locator *locator;
     double step;
+    int32_t room; /* of the line: sn_fibers_room */
 } tracer;
 
-/* The direction at p, towards the insertion for sign 1; false outside of the belly. */
+/* The direction at p, towards the insertion for sign 1; false outside of the belly, and beyond a sheet. */
 static bool direction_at(const tracer *t, sn_vec3 p, double sign, sn_vec3 *d, double *u)
 {
     int32_t i = sn_locator_find(t->locator, p, NULL);
     const sn_part_fibers *f = t->part;
     if (i < 0 || (f->has_tendon && sn_tendons_at(&f->tendons, &f->fibers.paths, p) > 0.0)) return false;
+    if (sn_fibers_room(&f->fibers, p) != t->room) return false;
     *d = sn_v3_scale(sign, sn_fibers_at(&f->fibers, f->source[i], p, u));
     return true;
 }
@@ -64,8 +66,9 @@ static sn_status follow(const tracer *t, sn_vec3 p, double sign, sn_polylines *o
     return SN_OK;
 }
 
-static sn_status trace_line(const tracer *t, sn_vec3 seed, sn_polylines *out, sn_error *err)
+static sn_status trace_line(tracer *t, sn_vec3 seed, sn_polylines *out, sn_error *err)
 {
+    t->room = sn_fibers_room(&t->part->fibers, seed);
     double u = 0.0;
     sn_vec3 unused;
     if (!direction_at(t, seed, 1.0, &unused, &u)) return SN_OK;
@@ -80,7 +83,7 @@ static sn_status trace_line(const tracer *t, sn_vec3 seed, sn_polylines *out, sn
 
 /* Seeds: the tets in their order, which goes through space, cut into n runs of equal volume of belly; the
  * middle of each. */
-static sn_status trace_all(const tracer *t, int32_t n, const sn_run *run, sn_polylines *out, sn_error *err)
+static sn_status trace_all(tracer *t, int32_t n, const sn_run *run, sn_polylines *out, sn_error *err)
 {
     const sn_part_fibers *f = t->part;
     double total = 0.0, done = 0.0, *volume = SN_NEW(double, t->mesh.n_tet);

@@ -67,12 +67,21 @@ static void find_ends(const sn_fibers *f, const sn_curve_place *place, ends *e)
     }
 }
 
-/* The vertices of the tet nearest to the insertion's end point, and what lies as near. */
-static double insertion_radius(const sn_fibers *f, sn_vec3 end)
+/* From p to the nearest end point of an insertion. */
+static double to_insertion(const sn_fibers *f, sn_vec3 p)
+{
+    double near = INFINITY;
+    for (int32_t h = 0; h < f->paths.n_head; h++)
+        near = fmin(near, sn_v3_dist(p, f->paths.head[h].point[SN_PATH_STEPS]));
+    return near;
+}
+
+/* The vertices of the tet nearest to an insertion's end point, and what lies as near. */
+static double insertion_radius(const sn_fibers *f)
 {
     double near = INFINITY;
     for (int32_t v = 0; v < f->mesh.n_vert; v++)
-        near = fmin(near, sn_v3_dist(sn_tet_mesh_point(&f->mesh, v), end));
+        near = fmin(near, to_insertion(f, sn_tet_mesh_point(&f->mesh, v)));
     return 2.0 * near + 0.02 * f->paths.head[0].length;
 }
 
@@ -96,16 +105,15 @@ static void fix_caps(const sn_fibers *f, const sn_curve_place *place, bool to_po
 static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends *e, double *value)
 {
     bool to_point = f->pennation.kind == SN_CONVERGENT;
-    sn_vec3 end = sn_path_point(&f->paths.head[0], f->paths.head[0].length);
-    double radius = to_point ? insertion_radius(f, end) : 0.0;
+    double radius = to_point ? insertion_radius(f) : 0.0;
     for (int32_t v = 0; v < f->mesh.n_vert; v++) {
         const ends *of = &e[place[v].head];
         double t = progress(f, &place[v]), first = of->first > AT_END_REL ? of->first + END_REL : AT_END_REL;
         double last = of->last < 1.0 - AT_END_REL ? of->last - END_REL : 1.0 - AT_END_REL;
-        double to_end = sn_v3_dist(sn_tet_mesh_point(&f->mesh, v), end);
         value[v] = NAN;
         if (t <= first || (!to_point && t >= last)) value[v] = t;
-        if (to_point && to_end <= radius) value[v] = 1.0 - to_end / f->paths.head[place[v].head].length;
+        double to_end = to_point ? to_insertion(f, sn_tet_mesh_point(&f->mesh, v)) : INFINITY;
+        if (to_end <= radius) value[v] = 1.0 - to_end / f->paths.head[place[v].head].length;
     }
     fix_caps(f, place, to_point, value);
 }
@@ -353,14 +361,14 @@ static double angle_at(const sn_pennation *p, double t)
     return deg * (3.14159265358979323846 / 180.0);
 }
 
-/* Which way along e3 the fibers lean: 1, or -1; to the sheet from both sides. */
-static double lean(const sn_fibers *f, double off)
+/* The room between two neighbouring sheets of tendon that lies `off` the curve's sheet: in even ones fibers
+ * lean along e3, in odd ones against it. */
+static int32_t room_at(const sn_fibers *f, double off)
 {
-    if (f->pennation.kind == SN_UNIPENNATE) return 1.0;
-    if (f->pennation.kind == SN_BIPENNATE || !(f->sheet_max > f->sheet_min)) return off > 0.0 ? -1.0 : 1.0;
-    double x = (off - f->sheet_min) / (f->sheet_max - f->sheet_min) * f->pennation.n_sheet;
-    double below = fmin(fmax(floor(x), 0.0), f->pennation.n_sheet - 1.0);
-    return x - below > 0.5 ? -1.0 : 1.0;
+    if (f->pennation.kind != SN_BIPENNATE && f->pennation.kind != SN_MULTIPENNATE) return 0;
+    if (f->pennation.kind == SN_BIPENNATE || !(f->sheet_max > f->sheet_min)) return off > 0.0;
+    int32_t n = 2 * f->pennation.n_sheet;
+    return (int32_t)fmin(fmax((off - f->sheet_min) / (f->sheet_max - f->sheet_min) * n, 0.0), n - 1.0);
 }
 
 static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)
@@ -370,7 +378,8 @@ static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)
     double t = progress(f, &at);
     if (u) *u = t;
     if (f->pennation.kind == SN_PARALLEL) return frame.e1;
-    double angle = angle_at(&f->pennation, t), side = lean(f, off_sheet(f, p, &at, &frame));
+    double angle = angle_at(&f->pennation, t), off = off_sheet(f, p, &at, &frame);
+    double side = room_at(f, off) % 2 ? -1.0 : 1.0;
     return sn_v3_mad(sn_v3_scale(cos(angle), frame.e1), side * sin(angle), frame.e3);
 }
 
@@ -416,6 +425,14 @@ sn_vec3 sn_fibers_line_of_action(const sn_fibers *f, sn_vec3 p)
 {
     sn_curve_place at = sn_paths_place(&f->paths, p);
     return sn_path_frame(&f->paths.head[at.head], at.arc).e1;
+}
+
+int32_t sn_fibers_room(const sn_fibers *f, sn_vec3 p)
+{
+    if (f->pennation.kind != SN_BIPENNATE && f->pennation.kind != SN_MULTIPENNATE) return 0;
+    sn_curve_place at = sn_paths_place(&f->paths, p);
+    sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
+    return room_at(f, off_sheet(f, p, &at, &frame));
 }
 
 sn_vec3 sn_fibers_at(const sn_fibers *f, int32_t i_body_tet, sn_vec3 p, double *u)

@@ -42,6 +42,9 @@ void sn_fibers_free(sn_fibers *f);
 sn_vec3 sn_fibers_at(const sn_fibers *f, int32_t i_body_tet, sn_vec3 p, double *u);
 /* The line of action there: the tangent of the nearest place of the curve. */
 sn_vec3 sn_fibers_line_of_action(const sn_fibers *f, sn_vec3 p);
+/* Of a bi- or multipennate muscle, the room between two neighbouring sheets, from 0 along e3: no fiber leads
+ * from one to another. 0 for other kinds. */
+int32_t sn_fibers_room(const sn_fibers *f, sn_vec3 p);
 
 typedef struct sn_fibers_check {
     int32_t sinks, sources; /* vertices off the ends where u is largest or smallest among the neighbours */

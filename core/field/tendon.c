@@ -47,7 +47,7 @@ static double thin_length(const sn_paths *paths, const double *profile, int32_t 
     for (int i = 0; i < n_step; i++) {
         double now = area_at(paths, profile, head, i, at_origin, is_shared);
         if (now >= area) {
-            double part = now > last ? (area - last) / (now - last) : 0.0;
+            double part = i > 0 ? (area - last) / (now - last) : 0.0;
             return length * fmax(i - 0.5 + part, 0.0) / n_step;
         }
         last = now;

@@ -42,10 +42,13 @@ static sn_status find_fixed(const sn_tet_mesh *m, const sn_collocation *c, int32
     return SN_OK;
 }
 
+/* e1 and e2: e3 follows from them in the end, so its three fields are left out. */
+enum { n_entry = 6 };
+
 static void put_entries(sn_triad f, double *at, size_t stride)
 {
-    const sn_vec3 axis[3] = {f.e1, f.e2, f.e3};
-    for (size_t k = 0; k < 3; k++) {
+    const sn_vec3 axis[2] = {f.e1, f.e2};
+    for (size_t k = 0; k < 2; k++) {
         at[3 * k * stride] = axis[k].x;
         at[(3 * k + 1) * stride] = axis[k].y;
         at[(3 * k + 2) * stride] = axis[k].z;
@@ -55,8 +58,8 @@ static void put_entries(sn_triad f, double *at, size_t stride)
 /* Gram-Schmidt, e1 first: it is the direction that matters most. false when there is none. */
 static bool orthonormal(const double *at, size_t stride, sn_triad *out)
 {
-    sn_vec3 axis[3];
-    for (size_t k = 0; k < 3; k++)
+    sn_vec3 axis[2];
+    for (size_t k = 0; k < 2; k++)
         axis[k] = sn_v3(at[3 * k * stride], at[(3 * k + 1) * stride], at[(3 * k + 2) * stride]);
     if (!(sn_v3_len(axis[0]) > CANCELLED)) return false;
     sn_vec3 e1 = sn_v3_unit(axis[0]), e2 = sn_v3_mad(axis[1], -sn_v3_dot(axis[1], e1), e1);
@@ -66,11 +69,11 @@ static bool orthonormal(const double *at, size_t stride, sn_triad *out)
     return true;
 }
 
-typedef struct spread { /* what is known of the curves, and the nine fields */
+typedef struct spread { /* what is known of the curves, and the fields */
     int32_t *fixed, n_fixed;
     sn_vec3 *row_at;
     sn_triad *row_frame;
-    double *value, *field; /* n_fixed x 9, n_vert x 9; column-major */
+    double *value, *field; /* n_fixed and n_vert x n_entry; column-major */
 } spread;
 
 static void spread_free(spread *s)
@@ -89,8 +92,8 @@ static sn_status spread_init(spread *s, const sn_tet_mesh *m, const sn_collocati
     if (st) return st;
     s->row_at = SN_NEW(sn_vec3, c->n_row);
     s->row_frame = SN_NEW(sn_triad, c->n_row);
-    s->value = SN_NEW(double, 9 * (size_t)s->n_fixed);
-    s->field = SN_NEW(double, 9 * (size_t)m->n_vert);
+    s->value = SN_NEW(double, n_entry *(size_t)s->n_fixed);
+    s->field = SN_NEW(double, n_entry *(size_t)m->n_vert);
     if (!s->row_at || !s->row_frame || !s->value || !s->field)
         return sn_fail(err, SN_ENOMEM, "frames: no memory for %d vertices", m->n_vert);
     for (int32_t r = 0; r < c->n_row; r++) {
@@ -109,7 +112,7 @@ sn_status sn_frame_field(const sn_harmonic *h, const sn_tet_mesh *m, const sn_co
 {
     spread s = {0};
     sn_status st = spread_init(&s, m, row, paths, err);
-    if (!st) st = sn_harmonic_solve(h, s.fixed, s.n_fixed, s.value, 9, run, s.field, err);
+    if (!st) st = sn_harmonic_solve(h, s.fixed, s.n_fixed, s.value, n_entry, run, s.field, err);
     if (!st) {
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
         for (int32_t v = 0; v < m->n_vert; v++)

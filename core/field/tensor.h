@@ -1,8 +1,9 @@
 /* tensor.h - the diffusion tensor of a muscle from the frames along its curves [A 3.7].
  *
- * The corners of the tets that a curve crosses take the frame of the nearest collocation point; nine harmonic
- * fields, one per entry, spread the frames over the mesh; orthonormalized, a frame Q and the eigenvalues give
- * the tensor Q diag(l1, l2, l3) Q' (the paper prints Q' Lambda Q). */
+ * The corners of the tets that a curve crosses take the frame of the nearest collocation point; harmonic
+ * fields, one per entry of e1 and e2 (the paper spreads e3's, too, which follow), spread the frames over the
+ * mesh; orthonormalized, a frame Q and the eigenvalues give the tensor Q diag(l1, l2, l3) Q' (the paper
+ * prints Q' Lambda Q). */
 #ifndef SN_FIELD_TENSOR_H
 #define SN_FIELD_TENSOR_H
 

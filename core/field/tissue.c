@@ -7,6 +7,14 @@
 
 #define BLOCK 64 /* right-hand sides solved together: bounds the memory, wide enough for BLAS */
 
+/* Room for one anisotropic muscle. Kept from solve to solve: the pages of a new factor cost as much as a good
+ * part of filling it. */
+typedef struct own_room {
+    sn_cholesky *cholesky;
+    double *val, *x; /* of the matrix, n_free */
+    bool is_taken;
+} own_room;
+
 struct sn_tissue_solver {
     const sn_body *body;
     sn_csr laplacian, matrix; /* L, and L + alpha B'B of the same pattern */
@@ -18,6 +26,8 @@ struct sn_tissue_solver {
     int32_t n_muscle;
     double alpha;
     bool has_factor;
+    own_room *room; /* n_room: as many as were ever needed at once */
+    int32_t n_room;
     sn_tissue_report report;
 };
 
@@ -74,9 +84,18 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     return st;
 }
 
+static void close_room(own_room *r)
+{
+    sn_cholesky_destroy(r->cholesky);
+    sn_release(r->val);
+    sn_release(r->x);
+}
+
 void sn_tissue_solver_destroy(sn_tissue_solver *s)
 {
     if (!s) return;
+    for (int32_t i = 0; i < s->n_room; i++) close_room(&s->room[i]);
+    sn_release(s->room);
     sn_cholesky_destroy(s->cholesky);
     sn_csr_free(&s->laplacian);
     sn_csr_free(&s->matrix);
@@ -205,40 +224,73 @@ typedef struct own_solves {
     double *field, *residual; /* n_vert a tissue; one of each */
 } own_solves;
 
-static sn_status solve_with(const own_solves *o, int32_t i, sn_csr *matrix, double *x, sn_cholesky *cholesky,
-                            const sn_run *run, sn_error *err)
+static sn_status open_room(const sn_tissue_solver *s, own_room *r, sn_error *err)
+{
+    *r = (own_room){.val = SN_NEW(double, s->laplacian.ptr[s->laplacian.n]), .x = SN_NEW(double, s->n_free)};
+    sn_status st = r->val && r->x ? sn_cholesky_clone(&r->cholesky, s->cholesky, err)
+                                  : sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    if (st) close_room(r);
+    return st;
+}
+
+/* At least n rooms. */
+static sn_status make_rooms(sn_tissue_solver *s, int32_t n, sn_error *err)
+{
+    if (n <= s->n_room) return SN_OK;
+    own_room *room = sn_realloc(s->room, (size_t)n, sizeof *room);
+    if (!room) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    s->room = room;
+    for (; s->n_room < n; s->n_room++) {
+        sn_status st = open_room(s, &s->room[s->n_room], err);
+        if (st) return st;
+    }
+    return SN_OK;
+}
+
+static own_room *take_room(const sn_tissue_solver *s)
+{
+    own_room *r = s->room;
+#pragma omp critical(sn_tissue_room)
+    {
+        while (r->is_taken) r++; /* there are as many as items at once */
+        r->is_taken = true;
+    }
+    return r;
+}
+
+static void leave_room(own_room *r)
+{
+#pragma omp critical(sn_tissue_room)
+    r->is_taken = false;
+}
+
+static sn_status solve_in(const own_solves *o, int32_t i, own_room *r, const sn_run *run, sn_error *err)
 {
     const sn_tissue_solver *s = o->solver;
     int32_t tissue = o->tissue[i];
+    sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
+    matrix.val = r->val;
     sn_status st = sn_run_step(run, "assembling", -1.0, err);
     if (st) return st;
-    sn_laplacian_set_anisotropic(matrix, &s->assembly, &s->body->mesh, s->muscle[tissue - 1].tensor);
-    add_rows(s, matrix);
-    st = sn_cholesky_factorize(cholesky, matrix, run, err);
+    sn_laplacian_set_anisotropic(&matrix, &s->assembly, &s->body->mesh, s->muscle[tissue - 1].tensor);
+    add_rows(s, &matrix);
+    st = sn_cholesky_factorize(r->cholesky, &matrix, run, err);
     if (st) return st;
-    muscle_rhs(s, tissue - 1, x);
-    st = sn_cholesky_solve(cholesky, x, 1, run, err);
+    muscle_rhs(s, tissue - 1, r->x);
+    st = sn_cholesky_solve(r->cholesky, r->x, 1, run, err);
     if (st) return st;
-    put_field(s, tissue, 0.0, x, o->field);
+    put_field(s, tissue, 0.0, r->x, o->field);
     o->residual[i] =
-        residual_of(s, matrix, tissue, 0.0, o->field + (size_t)tissue * (size_t)s->body->mesh.n_vert, x);
+        residual_of(s, &matrix, tissue, 0.0, o->field + (size_t)tissue * (size_t)s->body->mesh.n_vert, r->x);
     return SN_OK;
 }
 
 static sn_status solve_own(void *user, int32_t i, const sn_run *run, sn_error *err)
 {
     const own_solves *o = user;
-    const sn_tissue_solver *s = o->solver;
-    sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
-    sn_cholesky *cholesky = NULL;
-    matrix.val = SN_NEW(double, matrix.ptr[matrix.n]);
-    double *x = SN_NEW(double, s->n_free);
-    sn_status st = matrix.val && x ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory");
-    if (!st) st = sn_cholesky_clone(&cholesky, s->cholesky, err);
-    if (!st) st = solve_with(o, i, &matrix, x, cholesky, run, err);
-    sn_cholesky_destroy(cholesky);
-    sn_release(matrix.val);
-    sn_release(x);
+    own_room *r = take_room(o->solver);
+    sn_status st = solve_in(o, i, r, run, err);
+    leave_room(r);
     return st;
 }
 
@@ -249,6 +301,8 @@ static sn_status solve_anisotropic(sn_tissue_solver *s, const int32_t *tissue, i
     own_solves o = {s, tissue, field, SN_NEW_ZERO(double, n)};
     sn_status st = o.residual ? sn_run_step(run, "factorizing anisotropic muscles", 0.0, err)
                               : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d muscles", n);
+    int threads = sn_run_threads(run);
+    if (!st) st = make_rooms(s, threads < n ? threads : n, err);
     if (!st) st = sn_run_each(run, n, solve_own, &o, err);
     for (int32_t i = 0; i < n && !st; i++) s->report.residual = fmax(s->report.residual, o.residual[i]);
     sn_release(o.residual);

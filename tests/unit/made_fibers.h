@@ -31,13 +31,6 @@ static inline double cos_deg(double deg)
     return cos(deg * (TEST_PI / 180.0));
 }
 
-static inline sn_vec3 tet_centre(const sn_tet_mesh *m, int32_t t)
-{
-    sn_vec3 p = {0};
-    for (int k = 0; k < 4; k++) p = sn_v3_mad(p, 0.25, sn_tet_mesh_point(m, m->tet[4 * t + k]));
-    return p;
-}
-
 /* ---- tubes: discs of n_ring rings of n_around sectors, n_layer prisms between them, three tets each ---- */
 
 typedef struct tube {

@@ -5,8 +5,6 @@
 #include "failing_memory.h"
 #include "made_fibers.h"
 
-#include <stdio.h>
-
 static sn_fibers fibers_of(const sn_tet_mesh *body, const double *share, const sn_muscle *m)
 {
     sn_fibers f = {.u = NULL};
@@ -52,7 +50,7 @@ static deviation deviation_from(const sn_fibers *f, const sn_tet_mesh *body, con
     int n = 0;
     for (int32_t t = 0; t < body->n_tet; t++) {
         if (share && share[t] < least) continue;
-        sn_vec3 p = tet_centre(body, t), way = sn_fibers_at(f, t, p, NULL);
+        sn_vec3 p = sn_tet_mesh_centre(body, t), way = sn_fibers_at(f, t, p, NULL);
         assert_true(fabs(sn_v3_len(way) - 1.0) < 1e-12);
         double off = angle_deg(way, want(p));
         d.mean += off;
@@ -69,8 +67,6 @@ static deviation deviation_from(const sn_fibers *f, const sn_tet_mesh *body, con
 
 static void assert_below(deviation d, double worst, double mean)
 {
-    if (getenv("SN_SHOW"))
-        (void)printf("worst %g at {%g, %g, %g}, mean %g\n", d.worst, d.at.x, d.at.y, d.at.z, d.mean);
     if (!(d.worst < worst) || !(d.mean < mean))
         fail_msg("worst %g degrees at {%g, %g, %g}, mean %g", d.worst, d.at.x, d.at.y, d.at.z, d.mean);
 }
@@ -116,7 +112,7 @@ static void a_cylinder_that_conforms(void **state)
     assert_below(deviation_from(&f, &body, NULL, 0.0, upwards), 1e-5, 1e-6);
     for (int32_t t = 0; t < body.n_tet; t++) {
         double u;
-        sn_vec3 p = tet_centre(&body, t);
+        sn_vec3 p = sn_tet_mesh_centre(&body, t);
         (void)sn_fibers_at(&f, t, p, &u);
         assert_true(fabs(u - 0.5 * p.z) < 1e-7); /* linear, from 0 to 1 */
         assert_true(sn_v3_dist(sn_fibers_line_of_action(&f, p), sn_v3(0, 0, 1)) < 1e-12);
@@ -231,7 +227,7 @@ static void straps_follow_the_curve_exactly(void **state)
     assert_below(deviation_from(&f, &body, NULL, 0.0, around_bend), 0.6, 0.1);
     for (int32_t t = 0; t < body.n_tet; t++) {
         double u;
-        sn_vec3 p = tet_centre(&body, t);
+        sn_vec3 p = sn_tet_mesh_centre(&body, t);
         (void)sn_fibers_at(&f, t, p, &u);
         assert_true(fabs(u - atan2(p.z, 1.2 - p.x) / (0.5 * TEST_PI)) < 0.003);
     }
@@ -280,9 +276,9 @@ static void a_spindle(void **state)
     sn_tet_mesh body = made_tube(&(tube){6, 20, 40, in_spindle});
     sn_muscle m = curve_muscle(straight, 3);
     sn_fibers f = fibers_of_all(&body, &m);
-    double middle = off_surface(&f, &body, 0.1, 0.9), whole = off_surface(&f, &body, 0.001, 0.999);
-    if (getenv("SN_SHOW")) (void)printf("spindle %g %g\n", middle, whole);
+    double middle = off_surface(&f, &body, 0.06, 0.94), ends = off_surface(&f, &body, 0.001, 0.999);
     if (!(middle < 10.0)) fail_msg("fibers leave the surface at %g degrees", middle);
+    assert_true(ends < 24.0); /* there they run along the curve: the surface leans by 23.7 degrees */
     assert_no_faults(&f);
     sn_fibers_free(&f);
     sn_muscle_free(&m);
@@ -319,7 +315,7 @@ static void two_heads_with_one_insertion(void **state)
     for (int32_t t = 0; t < body.n_tet; t++) {
         if (share[t] < 0.5) continue;
         double u;
-        sn_vec3 p = tet_centre(&body, t), way = sn_fibers_at(&f, t, p, &u);
+        sn_vec3 p = sn_tet_mesh_centre(&body, t), way = sn_fibers_at(&f, t, p, &u);
         assert_true(u > -0.1 && u < 1.1);
         assert_true(way.z > 0.3);            /* on and on, from either origin */
         if (p.z < 0.6 && fabs(p.x) > 0.25) { /* in a head: towards the other one, as its curve runs */
@@ -331,10 +327,7 @@ static void two_heads_with_one_insertion(void **state)
             low += p.x < 0.0 ? 1 : 1000;
         }
         if (p.z > 1.85) {
-            {
-                if (getenv("SN_SHOW")) (void)printf("low %g\n", u);
-                assert_true(u > 0.7);
-            }
+            assert_true(u > 0.8);
             high++;
         }
     }
@@ -389,7 +382,7 @@ static void a_single_tet(void **state)
     sn_fibers f = fibers_of(&body, share, &m);
     assert_int_equal(f.mesh.n_tet, 1);
     assert_int_equal(f.mesh.n_vert, 4);
-    assert_true(angle_deg(sn_fibers_at(&f, 3, tet_centre(&body, 3), NULL), sn_v3(0, 0, 1)) < 1.0);
+    assert_true(angle_deg(sn_fibers_at(&f, 3, sn_tet_mesh_centre(&body, 3), NULL), sn_v3(0, 0, 1)) < 1.0);
     sn_fibers_free(&f);
     sn_muscle_free(&m);
     sn_release(share);
@@ -422,18 +415,15 @@ static aim aim_of(const sn_fibers *f, const sn_tet_mesh *body, const double *sha
 {
     aim a = {0.0, 0.0};
     int n = 0;
-    sn_vec3 at = {0};
     for (int32_t t = 0; t < body->n_tet; t++) {
-        sn_vec3 p = tet_centre(body, t), to_end = sn_v3_sub(sn_v3(0, 0, 1), p);
+        sn_vec3 p = sn_tet_mesh_centre(body, t), to_end = sn_v3_sub(sn_v3(0, 0, 1), p);
         if (share[t] < 0.5 || p.z < 0.3 || sn_v3_len(to_end) < 0.25) continue;
         double off = angle_deg(sn_fibers_at(f, t, p, NULL), to_end);
-        if (off > a.worst) at = p;
         a.worst = fmax(a.worst, off);
         a.mean += off;
         n++;
     }
     a.mean /= n;
-    if (getenv("SN_SHOW")) (void)printf("fan: %g %g %g %g %g\n", a.worst, a.mean, at.x, at.y, at.z);
     return a;
 }
 
@@ -452,21 +442,18 @@ static void convergent(void **state)
         make_pennate(&m, &(sn_pennation){.kind = SN_CONVERGENT});
         sn_fibers f = fibers_of(&body, share, &m);
         aim a = aim_of(&f, &body, share), b = aim_of(&plain, &body, share);
-        if (!(a.worst < (is_fan ? 30.0 : 65.0)) || !(a.mean < (is_fan ? 10.0 : 27.0)))
+        if (!(a.worst < (is_fan ? 35.0 : 65.0)) || !(a.mean < (is_fan ? 10.0 : 27.0)))
             fail_msg("fibers pass the insertion at up to %g degrees, %g in the mean", a.worst, a.mean);
         if (!is_fan) assert_true(a.mean < 0.7 * b.mean && a.worst < 0.7 * b.worst);
         for (int32_t t = 0; t < body.n_tet; t++) {
             double u;
-            sn_vec3 p = tet_centre(&body, t);
+            sn_vec3 p = sn_tet_mesh_centre(&body, t);
             if (share[t] < 0.5) continue;
             sn_vec3 way = sn_fibers_at(&f, t, p, &u);
             if (!is_fan && p.z > 0.9 && fabs(fabs(p.x) - 0.3) < 0.1)
                 assert_true(way.x * p.x < -0.5 * fabs(p.x));
             if (p.z < 0.1) assert_true(u < 0.15);
-            if (sn_v3_dist(p, sn_v3(0, 0, 1)) < 0.08) {
-                if (getenv("SN_SHOW")) (void)printf("low %g\n", u);
-                assert_true(u > 0.7);
-            }
+            if (sn_v3_dist(p, sn_v3(0, 0, 1)) < 0.08) assert_true(u > 0.8);
         }
         sn_fibers_check c = check_of(&f);
         if (c.sinks + c.sources + c.flipped)
@@ -488,7 +475,7 @@ static void a_piece_without_an_end(void **state)
     sn_tet_mesh body = shaken_box(14);
     double *share = cylinder_shares(&body);
     for (int32_t t = 0; t < body.n_tet; t++) {
-        double z = tet_centre(&body, t).z;
+        double z = sn_tet_mesh_centre(&body, t).z;
         if ((z > 0.4 && z < 0.8) || (z > 1.2 && z < 1.6)) share[t] = 0.0;
     }
     sn_muscle m = curve_muscle(straight, 3);
@@ -538,7 +525,7 @@ static void unipennate(void **state)
         pennate_fibers(&block, &(sn_pennation){.kind = SN_UNIPENNATE, .angle_deg = {20.0}, .n_angle = 1});
     for (int32_t t = 0; t < block.n_tet; t++) {
         double u;
-        sn_vec3 p = tet_centre(&block, t), way = sn_fibers_at(&f, t, p, &u);
+        sn_vec3 p = sn_tet_mesh_centre(&block, t), way = sn_fibers_at(&f, t, p, &u);
         assert_true(fabs(angle_deg(way, sn_fibers_line_of_action(&f, p)) - 20.0) < 1e-6);
         assert_true(sn_v3_dist(way, sn_v3(cos_deg(20.0), 0, sin_deg(20.0))) < 1e-12);
         assert_true(fabs(u - 0.5 * p.x) < 1e-9);
@@ -557,7 +544,7 @@ static void unipennate_along_a_bend(void **state)
     make_pennate(&m, &(sn_pennation){.kind = SN_UNIPENNATE, .angle_deg = {20.0}, .n_angle = 1});
     sn_fibers f = fibers_of_all(&body, &m);
     for (int32_t t = 0; t < body.n_tet; t++) {
-        sn_vec3 p = tet_centre(&body, t), way = sn_fibers_at(&f, t, p, NULL);
+        sn_vec3 p = sn_tet_mesh_centre(&body, t), way = sn_fibers_at(&f, t, p, NULL);
         sn_curve_place at = sn_paths_place(&f.paths, p);
         sn_triad frame = sn_path_frame(&f.paths.head[0], at.arc);
         assert_true(fabs(angle_deg(way, sn_fibers_line_of_action(&f, p)) - 20.0) < 1e-6);
@@ -576,9 +563,10 @@ static void bipennate(void **state)
     sn_fibers f =
         pennate_fibers(&block, &(sn_pennation){.kind = SN_BIPENNATE, .angle_deg = {30.0}, .n_angle = 1});
     for (int32_t t = 0; t < block.n_tet; t++) {
-        sn_vec3 p = tet_centre(&block, t), way = sn_fibers_at(&f, t, p, NULL);
+        sn_vec3 p = sn_tet_mesh_centre(&block, t), way = sn_fibers_at(&f, t, p, NULL);
         double side = p.z > 0.0 ? -1.0 : 1.0; /* towards the sheet z = 0 */
         assert_true(sn_v3_dist(way, sn_v3(cos_deg(30.0), 0, side * sin_deg(30.0))) < 1e-12);
+        assert_int_equal(sn_fibers_room(&f, p), p.z > 0.0);
     }
     sn_fibers_free(&f);
     sn_tet_mesh_free(&block);
@@ -605,6 +593,8 @@ static void multipennate(void **state)
     assert_int_equal(changes, 5);
     for (int k = 0; k < 3; k++) { /* just below and above each sheet */
         double z = -0.2 + 0.4 * (2 * k + 1) / 6;
+        assert_int_equal(sn_fibers_room(&f, sn_v3(1, 0, z - 0.02)), 2 * k);
+        assert_int_equal(sn_fibers_room(&f, sn_v3(1, 0, z + 0.02)), 2 * k + 1);
         assert_true(sn_fibers_at(&f, 0, sn_v3(1, 0, z - 0.01), NULL).z > 0.0);
         assert_true(sn_fibers_at(&f, 0, sn_v3(1, 0, z + 0.01), NULL).z < 0.0);
     }
@@ -666,8 +656,7 @@ static void the_unit_does_not_matter(void **state)
     for (int32_t v = 0; v < f.mesh.n_vert; v++) {
         assert_true(fabs(f.u[v] - g.u[v]) < 1e-9);
         if (!(sn_v3_dist(f.along[v], g.along[v]) < 1e-7))
-            fail_msg("%g at {%g, %g, %g}, %g", sn_v3_dist(f.along[v], g.along[v]), f.mesh.pos[3 * v],
-                     f.mesh.pos[3 * v + 1], f.mesh.pos[3 * v + 2], f.u[v] - g.u[v]);
+            fail_msg("vertex %d turns by %g", v, sn_v3_dist(f.along[v], g.along[v]));
     }
     sn_fibers_free(&f);
     sn_fibers_free(&g);
