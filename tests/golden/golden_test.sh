@@ -3,7 +3,8 @@
 # What differs stays in KEEP. SN_UPDATE_GOLDEN=1 takes what was made as the new expectation: look at it first.
 #
 # Limits: no more than 0.5 % of the pixels differ by more than 12 of 255 in a channel. Code that llvmpipe makes for
-# another processor moves single pixels on edges; a missing curve or muscle is thousands of pixels.
+# another processor moves single pixels on edges; a missing curve or muscle is thousands of pixels. For numbers see
+# numbers.awk.
 set -eu
 sinew=$1 scene=$2 keep=$3
 here=$(dirname "$0")
@@ -19,7 +20,7 @@ for actual in "$keep"/*.png "$keep"/*.txt; do
         echo "missing: $expected" >&2
         status=1
     elif [ "${actual%.txt}" != "$actual" ]; then
-        diff "$expected" "$actual" >&2 || status=1
+        awk -f "$here/numbers.awk" "$expected" "$actual" >&2 || status=1
     else
         "$sinew" compare "$expected" "$actual" --diff "$keep/diff_$(basename "$actual")" --max 12 --count 800 >&2 || status=1
     fi
