@@ -73,13 +73,19 @@ SN_MUST_USE sn_status sn_extraction_part(const sn_extraction *x, int32_t tissue,
                                          sn_error *err);
 double sn_extraction_part_volume(const sn_extraction *x, int32_t tissue);
 int32_t sn_extraction_part_tets(const sn_extraction *x, int32_t tissue);
-/* Writes by extension.
- *   .vtu          all tissues with ids and names, the field "envelope" per vertex; with muscles known and
- * input given also "fiber" (unit vectors) and "tendon" (1 or 0) per tet .msh          the same as far as Gmsh
- * has places for it .mesh         ids and names; tendon has ids of its own after the last tissue, named
- * "NAME:tendon" no extension  a folder (made when missing) that receives NAME.obj, the surface of each muscle
- * (not fat, not empty ones) input: the tets that x was cut from, or NULL. Errors: SN_EIO, SN_EINVAL,
- * SN_ENOMEM, SN_ECANCEL. */
+/* Writes by extension. input: the tets that x was cut from, or NULL.
+ *
+ * .vtu: all tissues with ids and names, the field "envelope" per vertex; with muscles known and input given
+ * also "fiber" (unit vectors) and "tendon" (1 or 0) per tet, 0 where a muscle has no fibers.
+ *
+ * .msh: the same as far as Gmsh has places for it.
+ *
+ * .mesh: ids and names; tendon has ids of its own after the last tissue, named "NAME:tendon".
+ *
+ * No extension: a folder (made when missing) that receives NAME.obj, the surface of each muscle (not fat, not
+ * empty ones).
+ *
+ * Errors: SN_EIO, SN_EINVAL, SN_ENOMEM, SN_ECANCEL. */
 SN_MUST_USE sn_status sn_extraction_save(const sn_extraction *x, const sn_tet_mesh *input, const char *path,
                                          const sn_run *run, sn_error *err);
 /* One tissue alone: .vtu .msh .mesh its tets as above, with all names; .obj .ply .stl .off its surface.

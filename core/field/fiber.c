@@ -391,7 +391,7 @@ sn_status sn_fibers_build(sn_fibers *f, const sn_tet_mesh *body, const double *s
     memset(f, 0, sizeof *f);
     f->pennation = m->pennation;
     sn_status st = sn_run_step(run, "finding fibers", -1.0, err);
-    if (!st && sn_muscle_shared_end(m) == SN_SHARE_NONE)
+    if (!st && has_field(f) && sn_muscle_shared_end(m) == SN_SHARE_NONE)
         st = sn_fail(
             err, SN_EINVAL,
             "fibers of muscle '%s': its %d heads share neither an insertion (last point) nor an origin "

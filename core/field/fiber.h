@@ -6,9 +6,15 @@
  * - The field lives on the tets of the body that the muscle takes part in, each weighted by the muscle's
  * share of it (linear elements on the cut domain), not on the muscle's own tets, which are full of slivers:
  * the muscle's surface is natural all the same, and a linear u is reproduced exactly.
+ * - The curve's term counts by the tet's volume in the muscle. Without that it is a constraint that hardens
+ * as the mesh gets finer, and since the directions of neighbouring tets do not quite agree, fibers near the
+ * curve then miss them by more and more (a bent tube: 4 degrees, with half the edge length 8; by volume 4 and
+ * 2).
  * - At an end u is not a constant but goes on along the curve: u = (length of curve from the origin) /
- * (length of the curve) at and beyond the end. Where the muscle does not reach its end (tendon), the same
- * holds for the outermost 4 % of it. Of a convergent muscle, u = 1 only near the end point of the insertion.
+ * (length of the curve) in the outermost 4 % of it, in tets that reach beyond it, and beyond. Where the
+ * muscle does not reach its end (tendon), the same holds for the outermost 4 % of it. Of a convergent muscle,
+ * u = 1 only near the end points of insertions.
+ * - In a piece of the muscle that hangs together with no origin or no insertion u is that length all over.
  * Strap-like and pennate muscles: directions by the frame of path.h at the nearest place of the curve, turned
  * by the pennation angle towards e3 (unipennate), or towards the nearest aponeurosis (bi-, multipennate); u
  * is that place. */
@@ -32,7 +38,7 @@ typedef struct sn_fibers { /* open; read only */
 } sn_fibers;
 
 /* share: n_tet of the body, 0..1, somewhere > 0. f: zero-initialised. Errors: SN_EINVAL (names the muscle: it
- * is empty; its heads share no end), SN_ENOMEM, SN_ESOLVE, SN_ECANCEL. */
+ * is empty; fusiform or convergent with heads that share no end), SN_ENOMEM, SN_ESOLVE, SN_ECANCEL. */
 SN_MUST_USE sn_status sn_fibers_build(sn_fibers *f, const sn_tet_mesh *body, const double *share,
                                       const sn_muscle *m, const sn_run *run, sn_error *err);
 void sn_fibers_free(sn_fibers *f);

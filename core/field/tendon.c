@@ -87,12 +87,26 @@ void sn_tendons_free(sn_tendons *t)
     memset(t, 0, sizeof *t);
 }
 
+/* The same for one head: by how much p lies on the tendon's side. */
+static double at_head(const sn_tendons *t, int32_t head, double length, double arc)
+{
+    double from_origin = t->length[2 * head], from_insertion = t->length[2 * head + 1];
+    double origin = from_origin > 0.0 ? from_origin - arc : -length;
+    double insertion = from_insertion > 0.0 ? from_insertion - (length - arc) : -length;
+    return fmax(origin, insertion);
+}
+
+/* The mean over the heads, weighted by the fourth power of nearness: between heads whose tendons are of
+ * different lengths the border then runs smoothly from one to the other. */
 double sn_tendons_at(const sn_tendons *t, const sn_paths *paths, sn_vec3 p)
 {
-    sn_curve_place at = sn_paths_place(paths, p);
-    double length = paths->head[at.head].length, from_origin = t->length[2 * at.head],
-           from_insertion = t->length[2 * at.head + 1];
-    double origin = from_origin > 0.0 ? from_origin - at.arc : -length;
-    double insertion = from_insertion > 0.0 ? from_insertion - (length - at.arc) : -length;
-    return fmax(origin, insertion);
+    double sum = 0.0, weight = 0.0;
+    for (int32_t h = 0; h < paths->n_head; h++) {
+        sn_paths one = {&paths->head[h], 1};
+        sn_curve_place at = sn_paths_place(&one, p);
+        double length = one.head->length, near = at.distance / length, w = 1.0 / (near * near + 1e-6);
+        sum += w * w * at_head(t, h, length, at.arc);
+        weight += w * w;
+    }
+    return sum / weight;
 }

@@ -22,7 +22,8 @@ static inline bool sn_muscle_has_tendon(const sn_muscle *m)
     return m->tendon.length > 0.0 || m->tendon.area > 0.0;
 }
 
-/* > 0 in tendon: by how much length of curve the place lies on the tendon's side of its border. */
+/* > 0 in tendon: by how much length of curve the place lies on the tendon's side of its border. Continuous:
+ * between heads a mean of theirs. */
 double sn_tendons_at(const sn_tendons *t, const sn_paths *paths, sn_vec3 p);
 
 #endif

@@ -241,9 +241,9 @@ static sn_vec3 bone_centre(const sn_tri_mesh *m)
     return o;
 }
 
-/* Volume of the cone from o to the faces of bones, taken positive: the bones' own, up to the openings where
- * they poke through the skin. What an opening adds depends on o: only figures for the same o may be compared.
- */
+/* Volume of the cone from o to the faces of bones, positive for whole bones: their own, up to the openings
+ * where they poke through the skin. What an opening adds depends on o and can make it negative: only figures
+ * for the same o may be compared. */
 static double bone_volume(const sn_tri_mesh *m, sn_vec3 o)
 {
     double sum = 0.0;
@@ -279,7 +279,8 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
         if (st) break;
         report->bone_volume = bone_volume(out, centre);
         double change = fabs(report->bone_volume - report->bone_volume_exact);
-        if (rr.crossings_after == 0 && change <= MAX_BONE_VOLUME_CHANGE * report->bone_volume_exact) break;
+        if (rr.crossings_after == 0 && change <= MAX_BONE_VOLUME_CHANGE * fabs(report->bone_volume_exact))
+            break;
         r.max_deviation *= 0.3;
     }
     *clean = rr.crossings_after == 0;

@@ -192,7 +192,8 @@ static void two_heads(void **state)
     sn_muscle m = heads_muscle((const sn_head_points[]){{left, NULL, 3}, {right, NULL, 3}}, 2);
     sn_attachment a[4];
     find(&b, NULL, 0, &m, a);
-    assert_memory_equal(&a[1], &a[3], sizeof a[1]); /* the same patch of the lid */
+    assert_true(a[1].i_bone == a[3].i_bone && a[1].area == a[3].area && a[1].distance == a[3].distance);
+    assert_at(a[3].centroid, a[1].centroid, 0.0); /* the same patch of the lid */
     assert_int_equal(a[1].i_bone, LID);
     assert_near(a[1].area, 1.0, 1e-12);
     assert_at(a[1].centroid, sn_v3(0.5, 0.5, 1), 1e-12);

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "extract/extraction.h"
+#include "extract/part_fibers.h"
 #include "mesh/surface_io.h"
 
 #include "made_extraction.h"
@@ -160,6 +160,275 @@ static void files_hold_all_tissues(void **state)
     sn_extraction_free(&x);
 }
 
+/* ---- fibers and tendon ---- */
+
+/* A cube of tets: fat where x > 0.75, below z = 0.45 the muscle t1, above it t2; t1 has tendon, the two heads
+ * of t2 share no end. */
+typedef struct known {
+    sn_tet_mesh input;
+    sn_extraction x;
+} known;
+
+static sn_muscle made_muscle(const sn_head_points *head, int32_t n)
+{
+    sn_muscle m;
+    memset(&m, 0, sizeof m);
+    assert_int_equal(sn_muscle_init(&m, "any", head, n, NULL), SN_OK);
+    return m;
+}
+
+static known with_muscles(void)
+{
+    static const double along[] = {0, 0.5, 0.2, 0.8, 0.5, 0.2}, a[] = {0, 0.5, 0.8, 0.3, 0.5, 0.8},
+                        b[] = {0.4, 0.5, 0.8, 0.7, 0.5, 0.8};
+    known k = {.input = made_lattice(6, sn_v3(0, 0, 0), 1.0 / 6)};
+    double *value = new_values(&k.input, 3);
+    for (int32_t v = 0; v < k.input.n_vert; v++) {
+        sn_vec3 p = sn_tet_mesh_point(&k.input, v);
+        value[v] = p.x - 0.75;
+        value[k.input.n_vert + v] = 0.45 - p.z;
+        value[2 * k.input.n_vert + v] = p.z - 0.45;
+    }
+    k.x = extract(&k.input, value, 3);
+    sn_muscle one = made_muscle(&(sn_head_points){along, NULL, 2}, 1);
+    sn_muscle apart = made_muscle((const sn_head_points[]){{a, NULL, 2}, {b, NULL, 2}}, 2);
+    assert_int_equal(sn_muscle_set_tendon(&one, &(sn_tendon){.length = 0.25}, NULL), SN_OK);
+    assert_int_equal(sn_extraction_set_muscles(&k.x, (const sn_muscle *const[]){&one, &apart}, 2, NULL),
+                     SN_OK);
+    sn_muscle_free(&one);
+    sn_muscle_free(&apart);
+    sn_release(value);
+    return k;
+}
+
+static void free_known(known *k)
+{
+    sn_extraction_free(&k->x);
+    sn_tet_mesh_free(&k->input);
+}
+
+static char *text_of(const char *name)
+{
+    char *text = NULL;
+    size_t size = 0;
+    assert_int_equal(sn_file_read(in_folder(name), &text, &size, NULL), SN_OK);
+    return text;
+}
+
+/* What the array that begins with this tag holds; by sn_alloc. RFC 4648, one digit at a time. */
+static void *vtu_array(const char *text, const char *tag, size_t *size)
+{
+    static const char table[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *p = strstr(text, tag);
+    if (!p) fail_msg("no %s", tag);
+    p += strlen(tag) + 1;
+    unsigned char *raw = SN_NEW(unsigned char, strcspn(p, "\n"));
+    size_t n = 0;
+    unsigned bits = 0;
+    int n_bits = 0;
+    for (const char *digit; *p && (digit = strchr(table, *p)); p++) {
+        bits = bits << 6 | (unsigned)(digit - table);
+        n_bits += 6;
+        if (n_bits < 8) continue;
+        n_bits -= 8;
+        raw[n++] = (unsigned char)(bits >> n_bits & 0xFF);
+    }
+    uint64_t said;
+    memcpy(&said, raw, sizeof said);
+    assert_int_equal(n, said + sizeof said);
+    memmove(raw, raw + sizeof said, (size_t)said);
+    *size = (size_t)said;
+    return raw;
+}
+
+#define FIBER_TAG "<DataArray type=\"Float64\" Name=\"fiber\" NumberOfComponents=\"3\" format=\"binary\">"
+#define TENDON_TAG "<DataArray type=\"Int32\" Name=\"tendon\" format=\"binary\">"
+
+/* Directions and tendon of the tets of a mesh of the extraction: t1 along x, its tendon within 0.25 of the
+ * curve's ends; nothing else has either. */
+static void assert_fibers(const sn_tet_mesh *m, const double *fiber, const int32_t *tendon)
+{
+    int n_tendon = 0;
+    for (int32_t t = 0; t < m->n_tet; t++) {
+        sn_vec3 c = sn_tet_mesh_centre(m, t), d = sn_v3_load(fiber + 3 * t);
+        if (m->part[t] == 1)
+            assert_true(fabs(sn_v3_len(d) - 1.0) < 1e-12 && d.x > 0.99);
+        else
+            assert_true(sn_v3_len(d) == 0.0);
+        assert_int_equal(tendon[t], m->part[t] == 1 && (c.x < 0.25 || c.x > 0.55));
+        n_tendon += tendon[t];
+    }
+    assert_true(n_tendon > 10);
+}
+
+static void vtu_has_fibers_and_tendon(void **state)
+{
+    (void)state;
+    known k = with_muscles();
+    sn_error err = {0};
+    for (int whole = 0; whole < 2; whole++) {
+        sn_tet_mesh m;
+        size_t fiber_size, tendon_size;
+        sn_tet_mesh_init(&m);
+        if (whole ? sn_extraction_save(&k.x, &k.input, in_folder("all.vtu"), NULL, &err)
+                  : sn_extraction_save_part(&k.x, &k.input, 1, in_folder("all.vtu"), NULL, &err))
+            fail_msg("%s", err.msg);
+        if (sn_tet_mesh_load(&m, in_folder("all.vtu"), &err)) fail_msg("%s", err.msg);
+        assert_int_equal(m.n_tet, whole ? k.x.mesh.n_tet : sn_extraction_part_tets(&k.x, 1));
+        char *text = text_of("all.vtu");
+        double *fiber = vtu_array(text, FIBER_TAG, &fiber_size);
+        int32_t *tendon = vtu_array(text, TENDON_TAG, &tendon_size);
+        assert_int_equal(fiber_size, 3 * (size_t)m.n_tet * sizeof *fiber);
+        assert_int_equal(tendon_size, (size_t)m.n_tet * sizeof *tendon);
+        assert_fibers(&m, fiber, tendon);
+        sn_release(fiber);
+        sn_release(tendon);
+        sn_release(text);
+        sn_tet_mesh_free(&m);
+    }
+    free_known(&k);
+}
+
+static void without_input_no_fibers(void **state)
+{
+    (void)state;
+    known k = with_muscles();
+    static const char *const file[] = {"all.vtu", "all.msh", "all.mesh"};
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(sn_extraction_save(&k.x, NULL, in_folder(file[i]), NULL, NULL), SN_OK);
+        char *text = text_of(file[i]);
+        assert_null(strstr(text, "fiber"));
+        assert_null(strstr(text, "tendon"));
+        sn_release(text);
+    }
+    free_known(&k);
+}
+
+/* The rows of a $ElementData section after its header, which must be as wanted; moves *text behind them. */
+static void read_element_data(const char **text, const char *name, int n_comp, int32_t n, double *out)
+{
+    char header[128];
+    (void)snprintf(header, sizeof header, "$ElementData\n1\n\"%s\"\n1\n0.0\n3\n0\n%d\n%d\n", name, n_comp, n);
+    const char *p = strstr(*text, header);
+    if (!p) fail_msg("no %s", header);
+    char *at = (char *)(uintptr_t)(p + strlen(header));
+    for (int32_t i = 0; i < n; i++) {
+        assert_int_equal(strtol(at, &at, 10), i + 1);
+        for (int c = 0; c < n_comp; c++) out[n_comp * i + c] = strtod(at, &at);
+    }
+    assert_int_equal(strncmp(at, "\n$EndElementData\n", 17), 0);
+    *text = at;
+}
+
+static void msh_has_element_data(void **state)
+{
+    (void)state;
+    known k = with_muscles();
+    int32_t n = k.x.mesh.n_tet;
+    sn_error err = {0};
+    if (sn_extraction_save(&k.x, &k.input, in_folder("all.msh"), NULL, &err)) fail_msg("%s", err.msg);
+    char *text = text_of("all.msh");
+    const char *at = text;
+    double *fiber = SN_NEW(double, 3 * (size_t)n), *value = SN_NEW(double, n);
+    int32_t *tendon = SN_NEW(int32_t, n);
+    read_element_data(&at, "fiber", 3, n, fiber);
+    read_element_data(&at, "tendon", 1, n, value);
+    for (int32_t t = 0; t < n; t++) tendon[t] = (int32_t)value[t];
+    assert_fibers(&k.x.mesh, fiber, tendon);
+    sn_release(fiber);
+    sn_release(value);
+    sn_release(tendon);
+    sn_release(text);
+    free_known(&k);
+}
+
+/* Tets of tendon carry the id after the last tissue's; nothing else is changed by it. */
+static void mesh_has_ids_of_tendon(void **state)
+{
+    (void)state;
+    known k = with_muscles();
+    sn_error err = {0};
+    sn_tet_mesh m;
+    sn_tet_mesh_init(&m);
+    if (sn_extraction_save(&k.x, &k.input, in_folder("all.mesh"), NULL, &err)) fail_msg("%s", err.msg);
+    char *text = text_of("all.mesh");
+    assert_non_null(strstr(text,
+                           "# tissue 1 fat\n# tissue 2 t1\n# tissue 3 t2\n# tissue 4 t1:tendon\n# tissue 5 "
+                           "t2:tendon\n"));
+    sn_release(text);
+    if (sn_tet_mesh_load(&m, in_folder("all.mesh"), &err)) fail_msg("%s", err.msg);
+    assert_int_equal(m.n_tet, k.x.mesh.n_tet);
+    int n_tendon = 0;
+    for (int32_t t = 0; t < m.n_tet; t++) {
+        double x = sn_tet_mesh_centre(&m, t).x;
+        bool is_tendon = k.x.mesh.part[t] == 1 && (x < 0.25 || x > 0.55);
+        assert_int_equal(m.part[t], is_tendon ? 3 : k.x.mesh.part[t]);
+        n_tendon += is_tendon;
+    }
+    assert_true(n_tendon > 10);
+    sn_tet_mesh_free(&m);
+    if (sn_extraction_save_part(&k.x, &k.input, 1, in_folder("all.mesh"), NULL, &err))
+        fail_msg("%s", err.msg);
+    sn_tet_mesh_init(&m);
+    if (sn_tet_mesh_load(&m, in_folder("all.mesh"), &err)) fail_msg("%s", err.msg);
+    int n_part_tendon = 0;
+    for (int32_t t = 0; t < m.n_tet; t++) n_part_tendon += m.part[t] == 3;
+    assert_int_equal(n_part_tendon, n_tendon);
+    sn_tet_mesh_free(&m);
+    free_known(&k);
+}
+
+static void parts_are_saved_by_extension(void **state)
+{
+    (void)state;
+    known k = with_muscles();
+    sn_error err = {0};
+    static const char *const surface[] = {"part.obj", "part.ply", "part.off", "part.stl"};
+    for (int i = 0; i < 4; i++) {
+        sn_tri_mesh s;
+        sn_tri_mesh_init(&s);
+        if (sn_extraction_save_part(&k.x, &k.input, 2, in_folder(surface[i]), NULL, &err))
+            fail_msg("%s", err.msg);
+        if (sn_surface_load(&s, in_folder(surface[i]), &err)) fail_msg("%s", err.msg);
+        double tolerance = i == 3 ? 1e-6 : 1e-12; /* .stl has floats */
+        assert_true(fabs(sn_tri_mesh_volume(&s) - sn_extraction_part_volume(&k.x, 2)) < tolerance);
+        sn_tri_mesh_free(&s);
+        (void)remove(in_folder(surface[i]));
+    }
+    assert_int_equal(sn_extraction_save_part(&k.x, NULL, 1, in_folder("part.xyz"), NULL, &err), SN_EINVAL);
+    assert_non_null(strstr(err.msg,
+                           "part.xyz: unknown format 'xyz' (known: .obj .ply .stl .off for the surface, "
+                           ".vtu .mesh .msh for the tets)"));
+    assert_int_equal(sn_extraction_save_part(&k.x, NULL, 1, in_folder("no/part.vtu"), NULL, &err), SN_EIO);
+    free_known(&k);
+    sn_extraction x = four_tissues();
+    assert_int_equal(sn_extraction_save_part(&x, NULL, 3, in_folder("part.vtu"), NULL, &err), SN_EINVAL);
+    assert_string_equal(err.msg, "part 't3' is empty: no tets");
+    assert_int_not_equal(access(in_folder("part.vtu"), F_OK), 0);
+    sn_extraction_free(&x);
+}
+
+static void saving_may_run_out_of_memory(void **state)
+{
+    (void)state;
+    known k = with_muscles();
+    static const char *const file[] = {"all.vtu", "all.mesh"};
+    for (int i = 0; i < 4; i++)
+        for (int n = 0;; n += 1 + n / 8) {
+            ration r = {n, 0};
+            sn_error err = {0};
+            sn_set_allocator(RATION(r));
+            sn_status st =
+                i < 2 ? sn_extraction_save(&k.x, &k.input, in_folder(file[i]), &one_thread, &err)
+                      : sn_extraction_save_part(&k.x, &k.input, 1, in_folder(file[i - 2]), &one_thread, &err);
+            sn_set_allocator(NULL);
+            assert_int_equal(r.in_use, 0);
+            if (!st) break;
+            if (st != SN_ENOMEM) fail_msg("allocation %d: %d, '%s'", n, st, err.msg);
+        }
+    free_known(&k);
+}
+
 /* ---- a reader of our files that shares no code with us ---- */
 
 static int run_checker(const char *path, char *line, int room)
@@ -262,6 +531,12 @@ int main(void)
         cmocka_unit_test(parts_are_found_and_taken_out),
         cmocka_unit_test(a_path_without_extension_is_a_folder),
         cmocka_unit_test(files_hold_all_tissues),
+        cmocka_unit_test(vtu_has_fibers_and_tendon),
+        cmocka_unit_test(without_input_no_fibers),
+        cmocka_unit_test(msh_has_element_data),
+        cmocka_unit_test(mesh_has_ids_of_tendon),
+        cmocka_unit_test(parts_are_saved_by_extension),
+        cmocka_unit_test(saving_may_run_out_of_memory),
         cmocka_unit_test(a_checker_of_another_make_agrees),
         cmocka_unit_test(the_checker_of_another_make_sees_what_is_broken),
     };
