@@ -20,12 +20,14 @@ local function made_scene()
 end
 
 local function dog_scene()
-  local builder = loadfile("tests/real/dog_scene.lua")
-  local data = (os.getenv("SINEW_DATA") or "../shared/data") .. "/dog_hindleg/skin.stl"
-  local file = io.open(data, "rb")
-  if not (builder and file) then return nil end
+  local dog = dofile("tests/real/dog_scene.lua")
+  local file = io.open(dog.data .. "/skin.stl", "rb")
+  if not file then return nil end
   file:close()
-  return builder()
+  local scene = dog.body()
+  scene:tetrahedralize{edge_length = 0.011, bone_edge_length = 0.004}
+  dog.add_muscles(scene)
+  return scene
 end
 
 local scene = dog_scene() or made_scene()
