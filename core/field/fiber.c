@@ -9,6 +9,7 @@
 #define ALPHA 50.0       /* weight of the curve's direction, against 1 of the Laplacian          */
 #define LEAST_SHARE 1e-3 /* a tet with less counts as this much: the matrix stays well behaved   */
 #define AT_END_REL 0.04  /* of the curve: so near to an end u is given, too: caps are never quite flat */
+#define PASSING_REL 2.0  /* of the distance to an end: a head that passes nearer owns the place, too */
 #define END_REL 0.04     /* of the curve: how much of a muscle that stops short counts as its end */
 
 /* ---- the tets that take part ---- */
@@ -45,16 +46,24 @@ static sn_status find_part(sn_fibers *f, const sn_tet_mesh *body, const double *
 
 /* ---- places of the vertices ---- */
 
-/* From 0 at the origin to 1 at the insertion; beyond, outside of that. */
-static double progress(const sn_fibers *f, const sn_curve_place *p)
+/* From 0 at the origin of its head to 1 at the insertion; beyond, outside of that. */
+static double fraction(const sn_fibers *f, const sn_curve_place *p)
 {
     return p->arc / f->paths.head[p->head].length;
+}
+
+/* What u is there: counted from the end that the heads share, in lengths of the longest, so that heads of
+ * different lengths that run side by side agree. */
+static double progress(const sn_fibers *f, const sn_curve_place *p)
+{
+    if (f->from_origin) return p->arc / f->longest;
+    return 1.0 - (f->paths.head[p->head].length - p->arc) / f->longest;
 }
 
 /* ---- ends ---- */
 
 typedef struct ends {
-    double first, last; /* the range of progress of one head's vertices */
+    double first, last; /* the range of fractions of one head's vertices */
 } ends;
 
 static void find_ends(const sn_fibers *f, const sn_curve_place *place, ends *e)
@@ -62,9 +71,23 @@ static void find_ends(const sn_fibers *f, const sn_curve_place *place, ends *e)
     for (int32_t h = 0; h < f->paths.n_head; h++) e[h] = (ends){INFINITY, -INFINITY};
     for (int32_t v = 0; v < f->mesh.n_vert; v++) {
         ends *of = &e[place[v].head];
-        of->first = fmin(of->first, progress(f, &place[v]));
-        of->last = fmax(of->last, progress(f, &place[v]));
+        of->first = fmin(of->first, fraction(f, &place[v]));
+        of->last = fmax(of->last, fraction(f, &place[v]));
     }
+}
+
+/* Another head passes by nearly as close, between its own ends: p belongs to its belly, too. */
+static bool has_passing_head(const sn_fibers *f, sn_vec3 p, const sn_curve_place *at)
+{
+    for (int32_t h = 0; h < f->paths.n_head; h++) {
+        sn_paths one = {&f->paths.head[h], 1};
+        if (h == at->head) continue;
+        sn_curve_place other = sn_paths_place(&one, p);
+        double t = other.arc / one.head->length;
+        if (t > AT_END_REL && t < 1.0 - AT_END_REL && other.distance < PASSING_REL * at->distance)
+            return true;
+    }
+    return false;
 }
 
 /* From p to the nearest end point of an insertion. */
@@ -87,35 +110,37 @@ static double insertion_radius(const sn_fibers *f)
 
 /* Tets that reach beyond an end hold some of the muscle's cap, which no free vertex may touch: it is no wall
  * along which fibers run. */
-static void fix_caps(const sn_fibers *f, const sn_curve_place *place, bool to_point, double *value)
+static void fix_caps(const sn_fibers *f, const sn_curve_place *place, const bool *is_end, double *value)
 {
     for (int32_t t = 0; t < f->mesh.n_tet; t++) {
         const int32_t *v = f->mesh.tet + 4 * (size_t)t;
         bool is_cap = false;
         for (int k = 0; k < 4; k++) {
-            double at = progress(f, &place[v[k]]);
-            is_cap = is_cap || at < 0.0 || (at > 1.0 && !to_point);
+            double at = fraction(f, &place[v[k]]);
+            is_cap = is_cap || (is_end[v[k]] && (at < 0.0 || at > 1.0));
         }
         for (int k = 0; k < 4 && is_cap; k++)
             if (isnan(value[v[k]])) value[v[k]] = progress(f, &place[v[k]]);
     }
 }
 
-/* value[v]: u where it is given; NAN where it is free. */
-static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends *e, double *value)
+/* value[v]: u where it is given; NAN where it is free. is_end: room for n_vert. */
+static void fix_ends(const sn_fibers *f, const sn_curve_place *place, const ends *e, bool *is_end,
+                     double *value)
 {
     bool to_point = f->pennation.kind == SN_CONVERGENT;
     double radius = to_point ? insertion_radius(f) : 0.0;
     for (int32_t v = 0; v < f->mesh.n_vert; v++) {
         const ends *of = &e[place[v].head];
-        double t = progress(f, &place[v]), first = of->first > AT_END_REL ? of->first + END_REL : AT_END_REL;
+        sn_vec3 p = sn_tet_mesh_point(&f->mesh, v);
+        double t = fraction(f, &place[v]), first = of->first > AT_END_REL ? of->first + END_REL : AT_END_REL;
         double last = of->last < 1.0 - AT_END_REL ? of->last - END_REL : 1.0 - AT_END_REL;
-        value[v] = NAN;
-        if (t <= first || (!to_point && t >= last)) value[v] = t;
-        double to_end = to_point ? to_insertion(f, sn_tet_mesh_point(&f->mesh, v)) : INFINITY;
-        if (to_end <= radius) value[v] = 1.0 - to_end / f->paths.head[place[v].head].length;
+        is_end[v] = (t <= first || (!to_point && t >= last)) && !has_passing_head(f, p, &place[v]);
+        value[v] = is_end[v] ? progress(f, &place[v]) : (double)NAN;
+        double to_end = to_point ? to_insertion(f, p) : INFINITY;
+        if (to_end <= radius) value[v] = 1.0 - to_end / f->longest;
     }
-    fix_caps(f, place, to_point, value);
+    fix_caps(f, place, is_end, value);
 }
 
 /* ---- pieces that do not reach from end to end ---- */
@@ -139,7 +164,7 @@ static sn_status fix_pieces(const sn_fibers *f, const sn_curve_place *place, dou
         for (int k = 1; k < 4; k++) parent[root_of(parent, v[k])] = root_of(parent, v[0]);
     }
     for (int32_t v = 0; !st && v < n; v++)
-        if (!isnan(value[v])) has[root_of(parent, v)] |= value[v] < 0.5 ? 1 : 2;
+        if (!isnan(value[v])) has[root_of(parent, v)] |= fraction(f, &place[v]) < 0.5 ? 1 : 2;
     for (int32_t v = 0; !st && v < n; v++)
         if (has[root_of(parent, v)] != 3) value[v] = progress(f, &place[v]);
     sn_release(parent);
@@ -155,6 +180,7 @@ typedef struct fiber_system {
     sn_curve_place *place; /* n_vert */
     ends *end;             /* n_head */
     double *fixed;         /* n_vert; NAN where free */
+    bool *is_end;          /* n_vert; given because it lies at an end */
     int32_t *number;       /* n_vert: unknown, or -1 */
     int32_t n_free;
     sn_cholesky *cholesky;
@@ -167,6 +193,7 @@ static void free_system(fiber_system *s)
     sn_release(s->place);
     sn_release(s->end);
     sn_release(s->fixed);
+    sn_release(s->is_end);
     sn_release(s->number);
     sn_cholesky_destroy(s->cholesky);
 }
@@ -218,8 +245,9 @@ static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *
     s->place = SN_NEW(sn_curve_place, n);
     s->end = SN_NEW(ends, f->paths.n_head);
     s->fixed = SN_NEW(double, n);
+    s->is_end = SN_NEW(bool, n);
     s->number = SN_NEW(int32_t, n);
-    if (!s->place || !s->end || !s->fixed || !s->number)
+    if (!s->place || !s->end || !s->fixed || !s->is_end || !s->number)
         return sn_fail(err, SN_ENOMEM, "fibers: no memory for %zu vertices", n);
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
     for (size_t v = 0; v < n; v++)
@@ -230,7 +258,7 @@ static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *
     st = add_curves(s, f, m, err);
     if (st) return st;
     find_ends(f, s->place, s->end);
-    fix_ends(f, s->place, s->end, s->fixed);
+    fix_ends(f, s->place, s->end, s->is_end, s->fixed);
     st = fix_pieces(f, s->place, s->fixed, err);
     if (st) return st;
     for (size_t v = 0; v < n; v++) s->number[v] = isnan(s->fixed[v]) ? s->n_free++ : -1;
@@ -296,27 +324,56 @@ static void gather(const sn_fibers *f, const sn_vec3 *slope, sn_vec3 *sum, doubl
     }
 }
 
-/* The mean of grad u over the muscle around each vertex, taken twice: corners outside of the muscle, whose
- * tets hold slivers of it only, then follow their neighbours inside. */
+/* To each tet the mean of its corners, by the muscle's volume around them. */
+static void spread_back(const sn_fibers *f, const double *mass, sn_vec3 *slope)
+{
+    for (int32_t t = 0; t < f->mesh.n_tet; t++) {
+        const int32_t *v = f->mesh.tet + 4 * (size_t)t;
+        sn_vec3 sum =
+            sn_v3_add(sn_v3_add(f->along[v[0]], f->along[v[1]]), sn_v3_add(f->along[v[2]], f->along[v[3]]));
+        slope[t] = sn_v3_scale(1.0 / (mass[v[0]] + mass[v[1]] + mass[v[2]] + mass[v[3]]), sum);
+    }
+}
+
+/* Slopes of a bent muscle are compared in the frame that goes with its curve: the mean of neighbours on one
+ * side only, as at an end, would else point off the bend. Between heads there is no such frame. */
+static sn_triad smoothing_frame(const sn_fibers *f, sn_vec3 p)
+{
+    if (f->paths.n_head > 1) return (sn_triad){{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    return sn_path_frame(&f->paths.head[0], sn_paths_place(&f->paths, p).arc);
+}
+
+static sn_vec3 into(sn_triad f, sn_vec3 v)
+{
+    return sn_v3(sn_v3_dot(f.e1, v), sn_v3_dot(f.e2, v), sn_v3_dot(f.e3, v));
+}
+
+static sn_vec3 out_of(sn_triad f, sn_vec3 v)
+{
+    return sn_v3_mad(sn_v3_mad(sn_v3_scale(v.x, f.e1), v.y, f.e2), v.z, f.e3);
+}
+
+/* The mean of grad u over the muscle around each vertex, taken several times: corners outside of the muscle,
+ * whose tets hold slivers of it only, then follow their neighbours inside, and the facets of the muscle's
+ * surface, along which linear elements must run, even out. */
+enum { n_smoothing = 4 };
+
 static sn_status average_slopes(sn_fibers *f, sn_error *err)
 {
     sn_vec3 *slope = SN_NEW(sn_vec3, f->mesh.n_tet);
     double *mass = SN_NEW(double, f->mesh.n_vert);
     f->along = SN_NEW(sn_vec3, f->mesh.n_vert);
     sn_status st = slope && mass && f->along ? SN_OK : sn_fail(err, SN_ENOMEM, "fibers: no memory");
-    for (int32_t t = 0; !st && t < f->mesh.n_tet; t++) slope[t] = slope_of(f, t);
-    if (!st) gather(f, slope, f->along, mass);
-    for (int32_t t = 0; !st && t < f->mesh.n_tet; t++) {
-        const int32_t *v = f->mesh.tet + 4 * (size_t)t;
-        sn_vec3 sum =
-            sn_v3_add(sn_v3_add(f->along[v[0]], f->along[v[1]]), sn_v3_add(f->along[v[2]], f->along[v[3]]));
-        slope[t] = sn_v3_scale(1.0 / (mass[v[0]] + mass[v[1]] + mass[v[2]] + mass[v[3]]), sum);
+    for (int32_t t = 0; !st && t < f->mesh.n_tet; t++)
+        slope[t] = into(smoothing_frame(f, sn_tet_mesh_centre(&f->mesh, t)), slope_of(f, t));
+    for (int i = 0; !st && i < n_smoothing; i++) {
+        if (i > 0) spread_back(f, mass, slope);
+        gather(f, slope, f->along, mass);
     }
-    if (!st) gather(f, slope, f->along, mass);
     for (int32_t v = 0; !st && v < f->mesh.n_vert; v++) {
-        f->along[v] = sn_v3_unit(f->along[v]);
-        if (!(sn_v3_len(f->along[v]) > 0.5))
-            f->along[v] = sn_fibers_line_of_action(f, sn_tet_mesh_point(&f->mesh, v));
+        sn_vec3 p = sn_tet_mesh_point(&f->mesh, v);
+        f->along[v] = sn_v3_unit(out_of(smoothing_frame(f, p), f->along[v]));
+        if (!(sn_v3_len(f->along[v]) > 0.5)) f->along[v] = sn_fibers_line_of_action(f, p);
     }
     sn_release(slope);
     sn_release(mass);
@@ -375,8 +432,8 @@ static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)
 {
     sn_curve_place at = sn_paths_place(&f->paths, p);
     sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
-    double t = progress(f, &at);
-    if (u) *u = t;
+    double t = fraction(f, &at);
+    if (u) *u = progress(f, &at);
     if (f->pennation.kind == SN_PARALLEL) return frame.e1;
     double angle = angle_at(&f->pennation, t), off = off_sheet(f, p, &at, &frame);
     double side = room_at(f, off) % 2 ? -1.0 : 1.0;
@@ -384,6 +441,12 @@ static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)
 }
 
 /* ---- the whole ---- */
+
+static void find_lengths(sn_fibers *f, const sn_muscle *m)
+{
+    f->from_origin = sn_muscle_shared_end(m) == SN_SHARE_ORIGIN;
+    for (int32_t h = 0; h < f->paths.n_head; h++) f->longest = fmax(f->longest, f->paths.head[h].length);
+}
 
 sn_status sn_fibers_build(sn_fibers *f, const sn_tet_mesh *body, const double *share, const sn_muscle *m,
                           const sn_run *run, sn_error *err)
@@ -399,6 +462,7 @@ sn_status sn_fibers_build(sn_fibers *f, const sn_tet_mesh *body, const double *s
             m->name, m->n_head);
     if (!st) st = find_part(f, body, share, m->name, err);
     if (!st) st = sn_paths_build(&f->paths, m, err);
+    if (!st) find_lengths(f, m);
     if (!st && has_field(f)) {
         st = solve_u(f, m, run, err);
         if (!st) st = average_slopes(f, err);
@@ -459,25 +523,45 @@ static double turn_deg(sn_vec3 a, sn_vec3 b)
     return acos(fmin(fmax(sn_v3_dot(a, b), -1.0), 1.0)) * (180.0 / 3.14159265358979323846);
 }
 
-static void check_turns(const sn_fibers *f, sn_fibers_check *out)
+static void check_turns(const sn_fibers *f, const sn_vec3 *along, const int32_t *room, sn_fibers_check *out)
 {
     for (int32_t t = 0; t < f->mesh.n_tet; t++) {
         const int32_t *v = f->mesh.tet + 4 * (size_t)t;
         double worst = 0.0;
-        for (int e = 0; e < 6; e++)
-            worst = fmax(worst, turn_deg(f->along[v[sn_tet_edge[e][0]]], f->along[v[sn_tet_edge[e][1]]]));
+        for (int e = 0; e < 6; e++) {
+            int32_t a = v[sn_tet_edge[e][0]], b = v[sn_tet_edge[e][1]];
+            if (room[a] == room[b]) worst = fmax(worst, turn_deg(along[a], along[b]));
+        }
         out->worst_turn_deg = fmax(out->worst_turn_deg, worst);
         out->flipped += worst > 90.0;
-        out->still += !(sn_v3_len(slope_of(f, t)) * f->paths.head[0].length > 1e-3);
     }
+}
+
+/* Directions at the corners, and between which aponeuroses they lie. */
+static sn_status check_directions(const sn_fibers *f, sn_fibers_check *out, sn_error *err)
+{
+    sn_vec3 *along = SN_NEW(sn_vec3, f->mesh.n_vert);
+    int32_t *room = SN_NEW(int32_t, f->mesh.n_vert);
+    sn_status st = along && room ? SN_OK : sn_fail(err, SN_ENOMEM, "fibers: no memory");
+    for (int32_t v = 0; !st && v < f->mesh.n_vert; v++) {
+        sn_vec3 p = sn_tet_mesh_point(&f->mesh, v);
+        along[v] = has_field(f) ? f->along[v] : by_frame(f, p, NULL);
+        room[v] = has_field(f) ? 0 : sn_fibers_room(f, p);
+    }
+    if (!st) check_turns(f, along, room, out);
+    sn_release(along);
+    sn_release(room);
+    return st;
 }
 
 sn_status sn_fibers_check_run(const sn_fibers *f, sn_fibers_check *out, sn_error *err)
 {
     memset(out, 0, sizeof *out);
-    if (!has_field(f)) return SN_OK;
-    unsigned char *has =
-        SN_NEW_ZERO(unsigned char, f->mesh.n_vert); /* 1: a higher neighbour, 2: a lower one */
+    sn_status st = check_directions(f, out, err);
+    if (st || !has_field(f)) return st;
+    /* 1: has a higher neighbour, 2: a lower one, 4: lies outside, a corner of tets that are hardly the
+     * muscle's */
+    unsigned char *has = SN_NEW_ZERO(unsigned char, f->mesh.n_vert);
     if (!has) return sn_fail(err, SN_ENOMEM, "fibers: no memory");
     for (int32_t t = 0; t < f->mesh.n_tet; t++) {
         for (int k = 0; k < 4 && f->share[t] < 0.5; k++) has[f->mesh.tet[4 * (size_t)t + (size_t)k]] |= 4;
@@ -493,7 +577,8 @@ sn_status sn_fibers_check_run(const sn_fibers *f, sn_fibers_check *out, sn_error
         out->sinks += !(has[v] & 1);
         out->sources += !(has[v] & 2);
     }
-    check_turns(f, out);
+    for (int32_t t = 0; t < f->mesh.n_tet; t++)
+        out->still += !(sn_v3_len(slope_of(f, t)) * f->longest > 1e-3);
     sn_release(has);
     return SN_OK;
 }

@@ -10,14 +10,13 @@
  * as the mesh gets finer, and since the directions of neighbouring tets do not quite agree, fibers near the
  * curve then miss them by more and more (a bent tube: 4 degrees, with half the edge length 8; by volume 4 and
  * 2).
- * - At an end u is not a constant but goes on along the curve: u = (length of curve from the origin) /
- * (length of the curve) in the outermost 4 % of it, in tets that reach beyond it, and beyond. Where the
- * muscle does not reach its end (tendon), the same holds for the outermost 4 % of it. Of a convergent muscle,
- * u = 1 only near the end points of insertions.
- * - In a piece of the muscle that hangs together with no origin or no insertion u is that length all over.
- * Strap-like and pennate muscles: directions by the frame of path.h at the nearest place of the curve, turned
- * by the pennation angle towards e3 (unipennate), or towards the nearest aponeurosis (bi-, multipennate); u
- * is that place. */
+ * - At an end u is not a constant but goes on along the curve, and it counts from the end that the heads
+ * share: (length of curve from there) / (length of the longest head), taken from 1 when that end is the
+ * insertion. So u is 0 at the farthest origin and 1 at the insertion, and heads of different lengths that run
+ * side by side agree. Where the muscle does not reach its end (tendon), the same holds for the outermost 4 %
+ * of it. Of a convergent muscle, u is given only near the end point of the insertion. Strap-like and pennate
+ * muscles: directions by the frame of path.h at the nearest place of the curve, turned by the pennation angle
+ * towards e3 (unipennate), or towards the nearest aponeurosis (bi-, multipennate); u is that place. */
 #ifndef SN_FIELD_FIBER_H
 #define SN_FIELD_FIBER_H
 
@@ -33,6 +32,8 @@ typedef struct sn_fibers { /* open; read only */
     bool *is_free;         /* mesh.n_vert: u was solved for, not given; owned                        */
     sn_vec3 *along;        /* mesh.n_vert: unit, the mean of grad u around the vertex; owned         */
     sn_paths paths;        /* owned                                                                  */
+    double longest;   /* head                                                                           */
+    bool from_origin; /* the heads share their origin: u counts from there                               */
     sn_pennation pennation;
     double sheet_min, sheet_max; /* extent of the muscle along e3, for several aponeuroses                 */
 } sn_fibers;
@@ -58,7 +59,7 @@ typedef struct sn_fibers_check {
     int32_t still;          /* tets where u changes by less than a thousandth of its mean slope          */
     double worst_turn_deg;  /* largest angle between corners of a tet                                    */
 } sn_fibers_check;
-/* Of the field u; of the frames for kinds without one. */
+/* Sinks, sources and still tets are those of the field u; kinds without one have none. */
 SN_MUST_USE sn_status sn_fibers_check_run(const sn_fibers *f, sn_fibers_check *out, sn_error *err);
 
 #endif
