@@ -11,7 +11,7 @@ local groups = {
   {"Muscles", {"muscle:", "head:"}, "Points and tissue values are counted from 1. The first point is the origin, the last the insertion."},
   {"Pictures", {"sinew%.image%.", "image:"}},
   {"Extraction and tet meshes", {"extraction:", "part:", "sinew%.tets%.", "tets:"},
-   "Tissue 0 is fat; muscles follow in the order the script added them. That number is the material id in every file."},
+   "Tissue 0 is fat; muscles follow in the order the script added them. That number is the material id in `.vtu`; in `.mesh` and `.msh`, where 0 means none, it is one more."},
 }
 
 print([[

@@ -356,7 +356,7 @@ static sn_vec3 out_of(sn_triad f, sn_vec3 v)
 /* The mean of grad u over the muscle around each vertex, taken several times: corners outside of the muscle,
  * whose tets hold slivers of it only, then follow their neighbours inside, and the facets of the muscle's
  * surface, along which linear elements must run, even out. */
-enum { n_smoothing = 4 };
+enum { n_smoothing = 3 };
 
 static sn_status average_slopes(sn_fibers *f, sn_error *err)
 {

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#define SCALE_LIMIT 0x1p40
+#define SCALE_LIMIT 0x1p400
 #define VOLUME_TOL 1e-7
 
 struct sn_measure {

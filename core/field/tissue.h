@@ -32,6 +32,7 @@ SN_MUST_USE sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_b
 void sn_tissue_solver_destroy(sn_tissue_solver *s); /* NULL is fine */
 
 typedef struct sn_tissue_muscle { /* borrowed                                                       */
+    const char *name;             /* for messages                                                   */
     const sn_collocation *row;
     const double *tensor; /* n_vert x 6, see tensor.h; NULL: isotropic                       */
 } sn_tissue_muscle;

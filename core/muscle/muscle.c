@@ -67,7 +67,10 @@ sn_status sn_muscle_set_anisotropy(sn_muscle *m, const sn_anisotropy *a, sn_erro
                            a->eigenvalue[k]);
     if (a->is_on && a->has_axis) {
         sn_vec3 t = sn_spline_tangent(&m->head[0].spline, 0.0), n;
-        if (!sn_v3_is_finite(a->axis) || !sn_normal_towards(t, a->axis, &n))
+        if (!sn_v3_is_finite(a->axis) || !(sn_v3_len(a->axis) > 0.0))
+            return sn_fail(err, SN_EINVAL, "muscle '%s': axis {%g, %g, %g} of the frame has no direction",
+                           m->name, a->axis.x, a->axis.y, a->axis.z);
+        if (!sn_normal_towards(t, a->axis, &n))
             return sn_fail(
                 err, SN_EINVAL,
                 "muscle '%s': axis {%g, %g, %g} of the frame runs along the curve, need a direction "

@@ -10,6 +10,9 @@ enum { group = 16, n_group = SN_PATH_STEPS / group };
 
 bool sn_normal_towards(sn_vec3 t, sn_vec3 axis, sn_vec3 *out)
 {
+    double size = fmax(fabs(axis.x), fmax(fabs(axis.y), fabs(axis.z)));
+    if (!(size > 0.0)) return false;
+    axis = sn_v3(axis.x / size, axis.y / size, axis.z / size); /* its square must not overflow */
     sn_vec3 n = sn_v3_mad(axis, -sn_v3_dot(axis, t), t);
     if (!(sn_v3_len(n) > 1e-6 * sn_v3_len(axis))) return false;
     *out = sn_v3_unit(n);
@@ -139,7 +142,9 @@ static void try_step(const sn_path *p, int32_t i_head, int k, sn_vec3 point, nea
     sn_vec3 along = sn_v3_sub(p->point[k + 1], p->point[k]), to = sn_v3_sub(point, p->point[k]);
     double len2 = sn_v3_len2(along), t = len2 > 0.0 ? fmin(fmax(sn_v3_dot(to, along) / len2, 0.0), 1.0) : 0.0;
     double dist2 = sn_v3_len2(sn_v3_mad(to, -t, along));
-    if (dist2 < best->dist2) *best = (nearest){i_head, k + t, dist2};
+    /* Another head has to be nearer by more than rounding, which must not choose beyond a shared end. */
+    if (dist2 < best->dist2 * (i_head == best->head ? 1.0 : 1.0 - 1e-9))
+        *best = (nearest){i_head, k + t, dist2};
 }
 
 static void search_head(const sn_path *p, int32_t i_head, sn_vec3 point, nearest *best)

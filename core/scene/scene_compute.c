@@ -171,7 +171,7 @@ static sn_status need_factor(sn_scene *s, const sn_run *run, bool *was_factorize
         if (!s->inputs) return sn_scene_no_memory(err);
     }
     for (int32_t i = 0; !st && i < s->n_muscle; i++)
-        s->inputs[i] = (sn_tissue_muscle){&s->muscle[i]->row, NULL};
+        s->inputs[i] = (sn_tissue_muscle){s->muscle[i]->muscle.name, &s->muscle[i]->row, NULL};
     return st ? st : make_factors(s, run, err);
 }
 

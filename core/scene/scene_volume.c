@@ -8,8 +8,10 @@
 
 #include <string.h>
 
-#define KEPT_REL 1e-5 /* how near to its volume each kept muscle comes; 0.1 % is promised */
-enum { max_sweeps = 200, patience = 16 }; /* sweeps in which the distance must halve */
+#define KEPT_REL 1e-5   /* how near to its volume each kept muscle comes; 0.1 % is promised */
+#define ENOUGH_REL 5e-4 /* what is taken when the rounds come no nearer */
+#define NEARING 0.8     /* in so many rounds the distance must shrink to this part of it */
+enum { max_sweeps = 400, patience = 16 };
 
 static sn_status create_measure(const sn_scene *s, int32_t i_muscle, const sn_run *run, sn_measure **m,
                                 sn_error *err)
@@ -28,6 +30,13 @@ static void scale_muscle(sn_scene *s, int32_t i_muscle, double factor)
     s->revision++;
 }
 
+static bool others_kept(const sn_scene *s, int32_t i_muscle)
+{
+    bool any = false;
+    for (int32_t i = 0; i < s->n_muscle; i++) any = any || (i != i_muscle && s->muscle[i]->kept_volume > 0.0);
+    return any;
+}
+
 /* Scales one muscle to a volume; *gap receives how far off it was, relative. */
 static sn_status fit(sn_scene *s, int32_t i_muscle, double volume, const sn_run *run, double *gap,
                      sn_error *err)
@@ -41,6 +50,10 @@ static sn_status fit(sn_scene *s, int32_t i_muscle, double volume, const sn_run 
     }
     sn_measure_destroy(m);
     if (!st && scale != 1.0) scale_muscle(s, i_muscle, scale);
+    if (st == SN_EINVAL && err && others_kept(s, i_muscle)) {
+        sn_error alone = *err;
+        st = sn_fail(err, st, "%s, and less beside the volumes that other muscles keep", alone.msg);
+    }
     return sn_muscle_blame(&s->muscle[i_muscle]->muscle, -1, st, err);
 }
 
@@ -66,23 +79,42 @@ static sn_status sweep(sn_scene *s, const sn_run *run, int32_t *i_worst, double 
     return SN_OK;
 }
 
-static sn_status sweep_all(sn_scene *s, const sn_run *run, sn_error *err)
+/* Says how much the muscle has when all others have theirs. */
+static sn_status fail_beside(sn_scene *s, int32_t i_muscle, const sn_run *run, sn_error *err)
+{
+    double wanted = s->muscle[i_muscle]->kept_volume, gap, worst, has = 0.0;
+    int32_t i_worst;
+    sn_measure *m = NULL;
+    s->muscle[i_muscle]->kept_volume = 0.0;
+    sn_status st = SN_OK;
+    for (int i = 0; i < patience && !st; i++) st = sweep(s, run, &i_worst, &worst, err);
+    s->muscle[i_muscle]->kept_volume = wanted;
+    if (!st) st = create_measure(s, i_muscle, run, &m, err);
+    if (st) return st;
+    has = sn_measure_volume(m, 1.0, run);
+    gap = fabs(has - wanted) / wanted;
+    sn_measure_destroy(m);
+    return sn_fail(
+        err, SN_EINVAL,
+        "muscle '%s': there is no room for a volume of %g beside those that other muscles keep: about %g "
+        "is possible (%.2g %% off)",
+        s->muscle[i_muscle]->muscle.name, wanted, has, 100.0 * gap);
+}
+
+/* i_asked: the muscle whose volume was asked for, -1: none, an edit is at fault. */
+static sn_status sweep_all(sn_scene *s, int32_t i_asked, const sn_run *run, sn_error *err)
 {
     double worst = INFINITY, before = INFINITY;
     int32_t i_worst = 0;
-    int i = 0;
-    for (bool is_nearing = true; i < max_sweeps && worst > KEPT_REL && is_nearing; i++) {
+    bool is_nearing = true;
+    for (int i = 0; i < max_sweeps && worst > KEPT_REL && is_nearing; i++) {
         sn_status st = sweep(s, run, &i_worst, &worst, err);
         if (st) return st;
         if (i % patience != patience - 1) continue;
-        is_nearing = worst <= 0.5 * before;
+        is_nearing = worst <= NEARING * before;
         before = worst;
     }
-    if (worst <= 1e-4) return SN_OK;
-    return sn_fail(
-        err, SN_EINVAL,
-        "the volumes to be kept do not fit side by side: after %d rounds muscle '%s' is still off by %.2g %%",
-        i, s->muscle[i_worst]->muscle.name, 100.0 * worst);
+    return worst <= ENOUGH_REL ? SN_OK : fail_beside(s, i_asked >= 0 ? i_asked : i_worst, run, err);
 }
 
 /* The tissue values of all kept muscles, to go back to. */
@@ -115,20 +147,25 @@ static void restore_tissue(sn_scene *s, const double *tissue)
     }
 }
 
-sn_status sn_scene_keep_volumes(sn_scene *s, const sn_run *run, sn_error *err)
+static sn_status keep(sn_scene *s, int32_t i_asked, const sn_run *run, sn_error *err)
 {
     double *before = NULL;
     bool any = false;
     for (int32_t i = 0; i < s->n_muscle; i++) any = any || s->muscle[i]->kept_volume > 0.0;
     if (any) {
         sn_status st = save_tissue(s, &before, err);
-        if (!st) st = sweep_all(s, run, err);
+        if (!st) st = sweep_all(s, i_asked, run, err);
         if (st && before) restore_tissue(s, before);
         sn_release(before);
         if (st) return st;
     }
     s->is_volume_kept = true;
     return SN_OK;
+}
+
+sn_status sn_scene_keep_volumes(sn_scene *s, const sn_run *run, sn_error *err)
+{
+    return keep(s, -1, run, err);
 }
 
 /* ---- asked for ---- */
@@ -156,7 +193,7 @@ sn_status sn_scene_set_volume(sn_scene *s, int32_t i_muscle, double volume, cons
     if (st) return st;
     double old = m->kept_volume; /* kept for now at least, against what the others take back */
     m->kept_volume = volume;
-    st = sn_scene_keep_volumes(s, run, err);
+    st = keep(s, i_muscle, run, err);
     if (st || !(old > 0.0)) m->kept_volume = old;
     return st;
 }

@@ -305,9 +305,14 @@ test("volume: what cannot be kept", function()
     a:set_volume(0.6 * body)
     a:set_preserve_volume(true)
     local tissue = b:tissue(1)
-    checkerr("the volumes to be kept do not fit side by side: after %d+ rounds muscle '%w+' is still off by", b.set_volume,
-             b, 0.6 * body)
+    local wanted = "muscle 'extensor': there is no room for a volume of " -- beside those that other muscles keep
+    checkerr(wanted, b.set_volume, b, 0.6 * body)
     check(b:tissue(1) == tissue)
+    local _, message = pcall(b.set_volume, b, 0.6 * body)
+    local possible = tonumber(message:match("about ([%d.e-]+) is possible"))
+    checkerr(wanted, b.set_volume, b, 1.1 * possible)
+    b:set_volume(0.9 * possible) -- what is said to be possible is, nearly
+    b:set_tissue(tissue)
     checknear(a:volume(), 0.6 * body, 1e-3 * body)
     a:set_preserve_volume(false)
     b:set_volume(0.6 * body)
