@@ -3,6 +3,8 @@
 
 #include "base/alloc.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <time.h>
 #ifdef _OPENMP
 #include <omp.h>
@@ -42,30 +44,58 @@ sn_status sn_run_step(const sn_run *run, const char *step, double fraction, sn_e
     return SN_OK;
 }
 
+/* ---- many items ----
+ *
+ * Threads of our own, not a team of OpenMP's: in a team, each parallel loop of a library (CHOLMOD has
+ * hundreds of thousands of small ones) makes a new team behind a lock, and two factorizations side by side
+ * take three times as long as one. */
+
 typedef struct outcome {
     sn_status status;
     sn_error error;
 } outcome;
 
+typedef struct items {
+    sn_run run; /* of each */
+    int32_t n;
+    sn_each_fn fn;
+    void *user;
+    outcome *of;
+    atomic_int next;
+} items;
+
+static void *work(void *arg)
+{
+    items *w = arg;
+    for (int i = atomic_fetch_add(&w->next, 1); i < w->n; i = atomic_fetch_add(&w->next, 1))
+        w->of[i].status = w->fn(w->user, i, &w->run, &w->of[i].error);
+    return NULL;
+}
+
+/* The caller works, too; threads that cannot be had are done without. */
+static void work_together(items *w, pthread_t *helper, int n_helper)
+{
+    int n = 0;
+    while (n < n_helper && pthread_create(&helper[n], NULL, work, w) == 0) n++;
+    (void)work(w);
+    for (int i = 0; i < n; i++) (void)pthread_join(helper[i], NULL);
+}
+
 sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err)
 {
-    outcome *of = SN_NEW_ZERO(outcome, n);
-    if (!of) return sn_fail(err, SN_ENOMEM, "no memory for %d items", n);
     int threads = sn_run_threads(run), at_once = threads < n ? threads : n;
-    sn_run each = run ? *run : (sn_run){0};
-    each.progress = NULL; /* only the thread that called may report */
-    each.n_threads = at_once > 0 ? threads / at_once : threads;
-    if (at_once <= 1) { /* inside a team of one, nested teams would make new threads each time */
-        for (int32_t i = 0; i < n; i++) of[i].status = fn(user, i, &each, &of[i].error);
-    } else {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once)
-        for (int32_t i = 0; i < n; i++) of[i].status = fn(user, i, &each, &of[i].error);
-    }
-    sn_status st = SN_OK;
+    items w = {
+        .run = run ? *run : (sn_run){0}, .n = n, .fn = fn, .user = user, .of = SN_NEW_ZERO(outcome, n)};
+    pthread_t *helper = SN_NEW(pthread_t, at_once);
+    sn_status st = w.of && helper ? SN_OK : sn_fail(err, SN_ENOMEM, "no memory for %d items", n);
+    w.run.progress = NULL; /* only the thread that called may report */
+    w.run.n_threads = at_once > 0 ? threads / at_once : threads;
+    if (!st) work_together(&w, helper, at_once - 1);
     for (int32_t i = 0; i < n && !st; i++) {
-        st = of[i].status;
-        if (st && err) *err = of[i].error;
+        st = w.of[i].status;
+        if (st && err) *err = w.of[i].error;
     }
-    sn_release(of);
+    sn_release(w.of);
+    sn_release(helper);
     return st;
 }

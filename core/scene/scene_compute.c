@@ -139,6 +139,11 @@ static sn_status make_factor(sn_scene *s, const sn_run *run, sn_error *err)
     return st;
 }
 
+static sn_status make_one_factor(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    return i == 0 ? need_harmonic(user, run, err) : make_factor(user, run, err);
+}
+
 /* The factor for the curves and that for frames: side by side when both are wanted. */
 static sn_status make_factors(sn_scene *s, const sn_run *run, sn_error *err)
 {
@@ -147,19 +152,7 @@ static sn_status make_factors(sn_scene *s, const sn_run *run, sn_error *err)
         sn_status st = wants_curves ? make_factor(s, run, err) : SN_OK;
         return !st && wants_frames ? need_harmonic(s, run, err) : st;
     }
-    sn_status st = SN_OK, beside = SN_OK;
-    sn_error error;
-    sn_run quiet = run ? *run : (sn_run){0};
-    quiet.progress = NULL; /* only the thread that called may report */
-#pragma omp parallel sections num_threads(sn_run_threads(run) > 1 ? 2 : 1)
-    {
-#pragma omp section
-        beside = need_harmonic(s, &quiet, &error);
-#pragma omp section
-        st = make_factor(s, &quiet, err);
-    }
-    if (!st && beside && err) *err = error;
-    return st ? st : beside;
+    return sn_run_each(run, 2, make_one_factor, s, err);
 }
 
 static sn_status need_factor(sn_scene *s, const sn_run *run, bool *was_factorized, sn_error *err)
