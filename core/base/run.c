@@ -4,6 +4,7 @@
 #include "base/alloc.h"
 
 #include <pthread.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <time.h>
 #ifdef _OPENMP
@@ -72,11 +73,16 @@ static void *work(void *arg)
     return NULL;
 }
 
-/* The caller works, too; threads that cannot be had are done without. */
+/* The caller works, too; threads that cannot be had are done without. Signals stay with the caller's thread.
+ */
 static void work_together(items *w, pthread_t *helper, int n_helper)
 {
+    sigset_t all, before;
     int n = 0;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
     while (n < n_helper && pthread_create(&helper[n], NULL, work, w) == 0) n++;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
     (void)work(w);
     for (int i = 0; i < n; i++) (void)pthread_join(helper[i], NULL);
 }

@@ -2,7 +2,8 @@
  *
  * The frame is (e1, e2, e3): e1 the tangent, e2 and e3 across, right-handed. At the first point of a head,
  * and at angle 0, e2 is the wanted axis made normal to the curve; without one it is the coordinate axis that
- * the curve runs along least, and the later heads take that of the first. From there the frame is carried by
+ * the curve runs along least, and the later heads take that of the first; so does a head whose curve starts along
+ * the wanted axis. From there the frame is carried by
  * the double reflection of Wang et al. 2008 (parallel transport up to fourth order in the step). */
 #ifndef SN_MUSCLE_PATH_H
 #define SN_MUSCLE_PATH_H

@@ -887,9 +887,59 @@ static void children_leave_nothing_open(void **state)
 
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
 
+/* ---- sn_run_each ---- */
+
+typedef struct each_seen {
+    int count[64]; /* how often each item was called */
+    int n_threads[64];
+    int32_t bad[2]; /* items that fail */
+} each_seen;
+
+static sn_status see_item(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    each_seen *s = user;
+    s->count[i]++;
+    s->n_threads[i] = sn_run_threads(run);
+    assert_true(run->progress == NULL);
+    if (i == s->bad[0] || i == s->bad[1]) return sn_fail(err, SN_EINVAL, "item %d is bad", i);
+    return SN_OK;
+}
+
+static void report_nothing(void *user, const char *step, double fraction)
+{
+    (void)user, (void)step, (void)fraction;
+}
+
+static void each_item_is_called_once_and_the_first_error_is_given(void **state)
+{
+    (void)state;
+    for (int threads = 1; threads <= 4; threads++)
+        for (int n = 0; n <= 64; n += 16) {
+            each_seen s = {.bad = {-1, -1}};
+            sn_run run = {.n_threads = threads, .progress = report_nothing};
+            sn_error err = {.msg = ""};
+            assert_int_equal(sn_run_each(&run, n, see_item, &s, &err), SN_OK);
+            for (int i = 0; i < 64; i++) assert_int_equal(s.count[i], i < n);
+            for (int i = 0; i < n; i++) assert_int_equal(s.n_threads[i], 1); /* all cores have an item */
+            if (n == 0) continue;
+            s = (each_seen){.bad = {n - 1, n / 2}};
+            assert_int_equal(sn_run_each(&run, n, see_item, &s, &err), SN_EINVAL);
+            char want[32];
+            (void)snprintf(want, sizeof want, "item %d is bad", n / 2);
+            assert_string_equal(err.msg, want);
+            for (int i = 0; i < n; i++) assert_int_equal(s.count[i], 1);
+        }
+    each_seen s = {.bad = {-1, -1}};
+    assert_int_equal(sn_run_each(&(sn_run){.n_threads = 4}, 2, see_item, &s, NULL), SN_OK);
+    assert_int_equal(s.n_threads[0], 2); /* two items share four threads */
+    s = (each_seen){.bad = {0, -1}};
+    assert_int_equal(sn_run_each(NULL, 1, see_item, &s, NULL), SN_EINVAL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_item_is_called_once_and_the_first_error_is_given),
         cmocka_unit_test(failing_fills_the_error),
         cmocka_unit_test(long_messages_are_cut),
         cmocka_unit_test(sizes_that_overflow_give_no_block),
