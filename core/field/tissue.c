@@ -291,7 +291,8 @@ static sn_status solve_own(void *user, int32_t i, const sn_run *run, sn_error *e
     own_room *r = take_room(o->solver);
     sn_status st = solve_in(o, i, r, run, err);
     leave_room(r);
-    return st ? sn_fail_prefix(err, st, "muscle '%s': ", o->solver->muscle[o->tissue[i] - 1].name) : SN_OK;
+    if (!st || st == SN_ECANCEL || st == SN_ELIMIT) return st;
+    return sn_fail_prefix(err, st, "muscle '%s': ", o->solver->muscle[o->tissue[i] - 1].name);
 }
 
 static sn_status solve_anisotropic(sn_tissue_solver *s, const int32_t *tissue, int32_t n, const sn_run *run,

@@ -18,7 +18,7 @@ void sn_muscle_free(sn_muscle *m)
 
 sn_status sn_muscle_blame(const sn_muscle *m, int32_t i_head, sn_status st, sn_error *err)
 {
-    if (!st) return SN_OK;
+    if (!st || st == SN_ECANCEL || st == SN_ELIMIT) return st;
     if (m->n_head > 1 && i_head >= 0)
         return sn_fail_prefix(err, st, "muscle '%s', head %d: ", m->name, i_head + 1);
     return sn_fail_prefix(err, st, "muscle '%s': ", m->name);

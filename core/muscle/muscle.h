@@ -55,7 +55,7 @@ SN_MUST_USE sn_status sn_muscle_init(sn_muscle *m, const char *name, const sn_he
                                      int32_t n_head, sn_error *err);
 SN_MUST_USE sn_status sn_muscle_copy(sn_muscle *out, const sn_muscle *m, sn_error *err); /* as _init */
 void sn_muscle_free(sn_muscle *m);
-/* Puts "muscle 'x': " or "muscle 'x', head 2: " before the message of st. */
+/* Puts "muscle 'x': " or "muscle 'x', head 2: " before the message of st, unless the run was stopped. */
 sn_status sn_muscle_blame(const sn_muscle *m, int32_t i_head, sn_status st, sn_error *err);
 
 /* Each checks all values first: on error the muscle is unchanged and the message names it. SN_EINVAL. */
