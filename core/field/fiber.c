@@ -151,9 +151,16 @@ static int32_t root_of(int32_t *parent, int32_t v)
     return v;
 }
 
+/* Of the part of the head along which the muscle lies: it may hold less than half of the curve. */
+static bool is_first_half(const sn_fibers *f, const sn_curve_place *p, const ends *e)
+{
+    return fraction(f, p) < 0.5 * (e[p->head].first + e[p->head].last);
+}
+
 /* A piece of the muscle without both ends has nothing that drives u through it: u is the place along the
  * curve all over it. */
-static sn_status fix_pieces(const sn_fibers *f, const sn_curve_place *place, double *value, sn_error *err)
+static sn_status fix_pieces(const sn_fibers *f, const sn_curve_place *place, const ends *e, double *value,
+                            sn_error *err)
 {
     int32_t n = f->mesh.n_vert, *parent = SN_NEW(int32_t, n);
     unsigned char *has = SN_NEW_ZERO(unsigned char, n); /* 1: an origin, 2: an insertion */
@@ -164,7 +171,7 @@ static sn_status fix_pieces(const sn_fibers *f, const sn_curve_place *place, dou
         for (int k = 1; k < 4; k++) parent[root_of(parent, v[k])] = root_of(parent, v[0]);
     }
     for (int32_t v = 0; !st && v < n; v++)
-        if (!isnan(value[v])) has[root_of(parent, v)] |= fraction(f, &place[v]) < 0.5 ? 1 : 2;
+        if (!isnan(value[v])) has[root_of(parent, v)] |= is_first_half(f, &place[v], e) ? 1 : 2;
     for (int32_t v = 0; !st && v < n; v++)
         if (has[root_of(parent, v)] != 3) value[v] = progress(f, &place[v]);
     sn_release(parent);
@@ -259,7 +266,7 @@ static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *
     if (st) return st;
     find_ends(f, s->place, s->end);
     fix_ends(f, s->place, s->end, s->is_end, s->fixed);
-    st = fix_pieces(f, s->place, s->fixed, err);
+    st = fix_pieces(f, s->place, s->end, s->fixed, err);
     if (st) return st;
     for (size_t v = 0; v < n; v++) s->number[v] = isnan(s->fixed[v]) ? s->n_free++ : -1;
     return SN_OK;
