@@ -233,8 +233,7 @@ static sn_status add_curves(fiber_system *s, const sn_fibers *f, const sn_muscle
         st = sn_trace_curve(&body, locator, spline->seg, spline->n_seg, &trace, err);
         for (size_t i = 0; i < trace.n_piece && !st; i++) {
             const sn_trace_piece *p = &trace.piece[i];
-            double arc = spline->arc[p->i_seg] + sn_cubic_length(&spline->seg[p->i_seg], 0.0, p->s);
-            sn_triad frame = sn_path_frame(&f->paths.head[h], arc);
+            sn_triad frame = sn_path_frame(&f->paths.head[h], sn_spline_arc(spline, p->i_seg, p->s));
             add_normal(s, f, p->tet, frame.e2, size);
             add_normal(s, f, p->tet, frame.e3, size);
         }
@@ -394,10 +393,18 @@ static bool has_field(const sn_fibers *f)
     return f->pennation.kind == SN_FUSIFORM || f->pennation.kind == SN_CONVERGENT;
 }
 
-/* How far p lies from the sheet of the curve and e2, along e3. */
-static double off_sheet(const sn_fibers *f, sn_vec3 p, const sn_curve_place *at, const sn_triad *frame)
+typedef struct spot { /* the nearest place of the curves, and what is known there */
+    sn_curve_place at;
+    sn_triad frame;
+    double off; /* how far the point lies from the sheet of the curve and e2, along e3 */
+} spot;
+
+static spot spot_of(const sn_fibers *f, sn_vec3 p)
 {
-    return sn_v3_dot(sn_v3_sub(p, sn_path_point(&f->paths.head[at->head], at->arc)), frame->e3);
+    sn_curve_place at = sn_paths_place(&f->paths, p);
+    const sn_path *path = &f->paths.head[at.head];
+    sn_triad frame = sn_path_frame(path, at.arc);
+    return (spot){at, frame, sn_v3_dot(sn_v3_sub(p, sn_path_point(path, at.arc)), frame.e3)};
 }
 
 static void find_sheets(sn_fibers *f)
@@ -406,12 +413,9 @@ static void find_sheets(sn_fibers *f)
     f->sheet_max = -INFINITY;
     for (int32_t t = 0; t < f->mesh.n_tet; t++) {
         if (f->share[t] < 0.5) continue;
-        sn_vec3 p = sn_tet_mesh_centre(&f->mesh, t);
-        sn_curve_place at = sn_paths_place(&f->paths, p);
-        sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
-        double h = off_sheet(f, p, &at, &frame);
-        f->sheet_min = fmin(f->sheet_min, h);
-        f->sheet_max = fmax(f->sheet_max, h);
+        double off = spot_of(f, sn_tet_mesh_centre(&f->mesh, t)).off;
+        f->sheet_min = fmin(f->sheet_min, off);
+        f->sheet_max = fmax(f->sheet_max, off);
     }
     if (!(f->sheet_min < f->sheet_max)) f->sheet_min = f->sheet_max = 0.0;
 }
@@ -437,14 +441,11 @@ static int32_t room_at(const sn_fibers *f, double off)
 
 static sn_vec3 by_frame(const sn_fibers *f, sn_vec3 p, double *u)
 {
-    sn_curve_place at = sn_paths_place(&f->paths, p);
-    sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
-    double t = fraction(f, &at);
-    if (u) *u = progress(f, &at);
-    if (f->pennation.kind == SN_PARALLEL) return frame.e1;
-    double angle = angle_at(&f->pennation, t), off = off_sheet(f, p, &at, &frame);
-    double side = room_at(f, off) % 2 ? -1.0 : 1.0;
-    return sn_v3_mad(sn_v3_scale(cos(angle), frame.e1), side * sin(angle), frame.e3);
+    spot s = spot_of(f, p);
+    if (u) *u = progress(f, &s.at);
+    if (f->pennation.kind == SN_PARALLEL) return s.frame.e1;
+    double angle = angle_at(&f->pennation, fraction(f, &s.at)), side = room_at(f, s.off) % 2 ? -1.0 : 1.0;
+    return sn_v3_mad(sn_v3_scale(cos(angle), s.frame.e1), side * sin(angle), s.frame.e3);
 }
 
 /* ---- the whole ---- */
@@ -500,10 +501,8 @@ sn_vec3 sn_fibers_line_of_action(const sn_fibers *f, sn_vec3 p)
 
 int32_t sn_fibers_room(const sn_fibers *f, sn_vec3 p)
 {
-    if (f->pennation.kind != SN_BIPENNATE && f->pennation.kind != SN_MULTIPENNATE) return 0;
-    sn_curve_place at = sn_paths_place(&f->paths, p);
-    sn_triad frame = sn_path_frame(&f->paths.head[at.head], at.arc);
-    return room_at(f, off_sheet(f, p, &at, &frame));
+    bool has_rooms = f->pennation.kind == SN_BIPENNATE || f->pennation.kind == SN_MULTIPENNATE;
+    return has_rooms ? room_at(f, spot_of(f, p).off) : 0;
 }
 
 sn_vec3 sn_fibers_at(const sn_fibers *f, int32_t i_body_tet, sn_vec3 p, double *u)
@@ -553,7 +552,7 @@ static sn_status check_directions(const sn_fibers *f, sn_fibers_check *out, sn_e
     for (int32_t v = 0; !st && v < f->mesh.n_vert; v++) {
         sn_vec3 p = sn_tet_mesh_point(&f->mesh, v);
         along[v] = has_field(f) ? f->along[v] : by_frame(f, p, NULL);
-        room[v] = has_field(f) ? 0 : sn_fibers_room(f, p);
+        room[v] = sn_fibers_room(f, p);
     }
     if (!st) check_turns(f, along, room, out);
     sn_release(along);

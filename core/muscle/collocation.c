@@ -35,7 +35,7 @@ static void append(sn_collocation *c, const sn_head *h, int32_t i_head, const sn
         memcpy(c->bary + 4 * row, p->bary, sizeof p->bary);
         c->value[row] = sn_head_tissue_at(h, p->i_seg, p->s);
         c->head[row] = i_head;
-        c->arc[row] = h->spline.arc[p->i_seg] + sn_cubic_length(&h->spline.seg[p->i_seg], 0.0, p->s);
+        c->arc[row] = sn_spline_arc(&h->spline, p->i_seg, p->s);
     }
     c->length_inside += t->length_inside;
     c->length_outside += t->length_outside;

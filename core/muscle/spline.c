@@ -99,6 +99,11 @@ void sn_spline_at(const sn_spline *s, double a, int32_t *i_seg, double *t)
     *t = want <= 0.0 ? 0.0 : want >= s->arc[i + 1] - s->arc[i] ? 1.0 : 0.5 * (lo + hi);
 }
 
+double sn_spline_arc(const sn_spline *s, int32_t i_seg, double t)
+{
+    return s->arc[i_seg] + sn_cubic_length(&s->seg[i_seg], 0.0, t);
+}
+
 sn_vec3 sn_spline_tangent(const sn_spline *s, double a)
 {
     int32_t seg;

@@ -21,6 +21,8 @@ void sn_spline_free(sn_spline *s);
 double sn_spline_length(const sn_spline *s);
 /* The segment and parameter at arc length a (clamped to 0..length). */
 void sn_spline_at(const sn_spline *s, double a, int32_t *i_seg, double *t);
+/* The other way round: the length up to parameter t of segment i_seg. */
+double sn_spline_arc(const sn_spline *s, int32_t i_seg, double t);
 /* The unit tangent there, from origin to insertion. Where the derivative vanishes, that of the chord. */
 sn_vec3 sn_spline_tangent(const sn_spline *s, double a);
 /* n >= 2 points evenly spaced by arc length, both ends included. out: n x 3. */

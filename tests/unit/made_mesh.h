@@ -184,4 +184,17 @@ static inline void *rationed_realloc(void *user, void *p, size_t bytes)
 
 #define RATION(r) (&(sn_allocator){rationed_realloc, &(r)})
 
+/* (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1): volume 1/6. */
+static inline sn_tet_mesh made_unit_tet(void)
+{
+    static const double pos[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const int32_t tet[] = {0, 1, 2, 3};
+    sn_tet_mesh m;
+    sn_tet_mesh_init(&m);
+    assert_int_equal(sn_tet_mesh_reserve(&m, 4, 1, false, NULL), SN_OK);
+    memcpy(m.pos, pos, sizeof pos);
+    memcpy(m.tet, tet, sizeof tet);
+    return m;
+}
+
 #endif

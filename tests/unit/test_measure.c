@@ -11,19 +11,6 @@
 
 #include "made_mesh.h"
 
-/* (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1): volume 1/6. */
-static sn_tet_mesh unit_tet(void)
-{
-    static const double pos[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    static const int32_t tet[] = {0, 1, 2, 3};
-    sn_tet_mesh m;
-    sn_tet_mesh_init(&m);
-    assert_int_equal(sn_tet_mesh_reserve(&m, 4, 1, false, NULL), SN_OK);
-    memcpy(m.pos, pos, sizeof pos);
-    memcpy(m.tet, tet, sizeof tet);
-    return m;
-}
-
 static sn_measure *measure_of(const sn_tet_mesh *m, const double *field, int32_t n_tissue, int32_t tissue)
 {
     sn_measure *out = NULL;
@@ -35,7 +22,7 @@ static sn_measure *measure_of(const sn_tet_mesh *m, const double *field, int32_t
 /* The share of the unit tet that a tissue wins. */
 static double share_of(const double *field, int32_t n_tissue, int32_t tissue, double scale)
 {
-    sn_tet_mesh tet = unit_tet();
+    sn_tet_mesh tet = made_unit_tet();
     sn_measure *m = measure_of(&tet, field, n_tissue, tissue);
     double share = sn_measure_tet_share(m, 0, scale);
     assert_true(fabs(sn_measure_volume(m, scale, NULL) - share / 6.0) < 1e-16);
@@ -137,7 +124,7 @@ static void ties_go_to_the_lower_tissue(void **state)
     assert_true(share_of(same, 4, 1, 1.0) == 0.0 && share_of(same, 4, 3, 1.0) == 0.0);
     assert_true(share_of(zero, 3, 0, 1.0) == 1.0);
     assert_true(share_of(zero, 3, 1, 1.0) == 0.0 && share_of(zero, 3, 2, 1.0) == 0.0);
-    sn_tet_mesh tet = unit_tet();
+    sn_tet_mesh tet = made_unit_tet();
     for (int i = 0; i < 3; i++) {
         sn_measure *m = measure_of(&tet, zero, 3, i);
         sn_vec3 c;
@@ -153,7 +140,7 @@ static void very_many_rivals(void **state)
     (void)state;
     enum { n = 321 };
     static double field[4 * n]; /* f_i = 2 c_i . x - |c_i|^2: the nearest site wins; site 0 in the middle */
-    sn_tet_mesh tet = unit_tet();
+    sn_tet_mesh tet = made_unit_tet();
     const sn_vec3 middle = {0.25, 0.25, 0.25};
     double whole = 0.0, area = 0.0;
     for (int i = 0; i < n; i++) {
@@ -185,7 +172,7 @@ static void very_many_rivals_on_a_face(void **state)
     (void)state;
     enum { n = 601 };
     static double field[4 * n];
-    sn_tet_mesh tet = unit_tet();
+    sn_tet_mesh tet = made_unit_tet();
     for (int i = 1; i < n; i++) { /* 0 above r - 1/8 along each direction in the plane z = 0 */
         double a = 2.0 * TEST_PI * i / (n - 1);
         for (int k = 0; k < 4; k++)
@@ -330,7 +317,7 @@ static void agrees_with_the_extraction(void **state)
 static void faces_by_hand(void **state)
 {
     (void)state;
-    sn_tet_mesh tet = unit_tet();
+    sn_tet_mesh tet = made_unit_tet();
     /* Face 3 is the triangle (0, 0, 0), (1, 0, 0), (0, 1, 0) of area 1/2. */
     const struct {
         double lead[4], area;
@@ -432,7 +419,7 @@ static void scales_hit_their_volume(void **state)
 static void impossible_volumes(void **state)
 {
     (void)state;
-    sn_tet_mesh tet = unit_tet();
+    sn_tet_mesh tet = made_unit_tet();
     const double crowded[] = {1, 1, 1, 1, 2, -2, -2, -2}, least[] = {-1, -1, -1, -1, 1, -1, -1, -1};
     double scale = 42.0;
     sn_error err;

@@ -10,22 +10,10 @@
 #include "closed_surface.h"
 #include "made_mesh.h"
 
-static sn_tet_mesh one_tet(void)
-{
-    static const double pos[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
-    static const int32_t tet[] = {0, 1, 2, 3};
-    sn_tet_mesh m;
-    sn_tet_mesh_init(&m);
-    assert_int_equal(sn_tet_mesh_reserve(&m, 4, 1, false, NULL), SN_OK);
-    memcpy(m.pos, pos, sizeof pos);
-    memcpy(m.tet, tet, sizeof tet);
-    return m;
-}
-
 static void faces_of_a_tet_turn_outwards(void **state)
 {
     (void)state;
-    sn_tet_mesh m = one_tet();
+    sn_tet_mesh m = made_unit_tet();
     assert_true(sn_tet_mesh_tet_volume(&m, 0) == 1.0 / 6.0);
     for (int k = 0; k < 4; k++) {
         const int *f = sn_tet_face[k];
@@ -91,7 +79,7 @@ static void validation_names_the_first_breach(void **state)
 static void copies_are_deep(void **state)
 {
     (void)state;
-    sn_tet_mesh m = one_tet(), c;
+    sn_tet_mesh m = made_unit_tet(), c;
     sn_tet_mesh_init(&c);
     assert_int_equal(sn_tet_mesh_copy(&c, &m, NULL), SN_OK);
     assert_null(c.part);
@@ -146,7 +134,7 @@ static void neighbours_as_by_brute_force(void **state)
 static void three_tets_on_a_face(void **state)
 {
     (void)state;
-    sn_tet_mesh m = one_tet(), three;
+    sn_tet_mesh m = made_unit_tet(), three;
     sn_tet_mesh_init(&three);
     assert_int_equal(sn_tet_mesh_reserve(&three, 6, 3, false, NULL), SN_OK);
     memcpy(three.pos, m.pos, 12 * sizeof *m.pos);
