@@ -18,14 +18,18 @@ double sn_clock(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-int sn_run_threads(const sn_run *run)
+static int n_processors(void)
 {
-    if (run && run->n_threads > 0) return run->n_threads;
 #ifdef _OPENMP
     return omp_get_num_procs();
 #else
     return 1;
 #endif
+}
+
+int sn_run_threads(const sn_run *run)
+{
+    return run && run->n_threads > 0 ? run->n_threads : n_processors();
 }
 
 bool sn_run_stopped(const sn_run *run)
@@ -87,15 +91,24 @@ static void work_together(items *w, pthread_t *helper, int n_helper)
     for (int i = 0; i < n; i++) (void)pthread_join(helper[i], NULL);
 }
 
+/* Items take turns on the cores, so 3 of them on 2 cores take 1.5 times as long as one, not 2. */
+static int count_at_once(int threads, int32_t n)
+{
+    if (n <= threads) return n;
+    if (threads < n_processors()) return threads;
+    int rounds = n / threads, even = (n + rounds - 1) / rounds;
+    return even <= threads + threads / 2 ? even : threads;
+}
+
 sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err)
 {
-    int threads = sn_run_threads(run), at_once = threads < n ? threads : n;
+    int threads = sn_run_threads(run), at_once = count_at_once(threads, n);
     items w = {
         .run = run ? *run : (sn_run){0}, .n = n, .fn = fn, .user = user, .of = SN_NEW_ZERO(outcome, n)};
     pthread_t *helper = SN_NEW(pthread_t, at_once);
     sn_status st = w.of && helper ? SN_OK : sn_fail(err, SN_ENOMEM, "no memory for %d items", n);
     w.run.progress = NULL; /* only the thread that called may report */
-    w.run.n_threads = at_once > 0 ? threads / at_once : threads;
+    w.run.n_threads = at_once > 0 && at_once < threads ? threads / at_once : 1;
     if (!st) work_together(&w, helper, at_once - 1);
     for (int32_t i = 0; i < n && !st; i++) {
         st = w.of[i].status;

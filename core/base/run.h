@@ -28,7 +28,8 @@ bool sn_run_stopped(const sn_run *run); /* cheap; from any thread */
  * step. */
 SN_MUST_USE sn_status sn_run_step(const sn_run *run, const char *step, double fraction, sn_error *err);
 
-/* Calls fn for i = 0 .. n - 1, many at a time. Each call gets a run that reports no progress and has its
+/* Calls fn for i = 0 .. n - 1, many at a time: as many as the run has threads, or up to half as many more where
+ * that evens the load and the run has the whole machine anyway (three on two cores). Each call gets a run that reports no progress and has its
  * share of the threads; an item must not depend on another. All are called even when one fails; the error is
  * that of the lowest index. Errors: those of fn, SN_ENOMEM. */
 typedef sn_status (*sn_each_fn)(void *user, int32_t i, const sn_run *run, sn_error *err);

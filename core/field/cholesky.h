@@ -1,5 +1,5 @@
 /* cholesky.h - sparse Cholesky of symmetric positive definite matrices: analyse once, factorize often, solve
- * many right-hand sides together. The only file of the library that sees CHOLMOD (its 64-bit interface, METIS
+ * many right-hand sides together. The only part of the library that sees CHOLMOD (its 64-bit interface, METIS
  * ordering, supernodal) and LAPACK. */
 #ifndef SN_FIELD_CHOLESKY_H
 #define SN_FIELD_CHOLESKY_H
@@ -10,11 +10,9 @@
 typedef struct sn_cholesky sn_cholesky; /* opaque; const = may be used by many threads */
 
 /* Orders and analyses the rows and columns of a with number[i] >= 0, where number maps them one to one onto
- * 0..n-1; the others are left out. rank: a value per unknown, those with the lowest are eliminated first
- * (ties by number); NULL: METIS finds the order. Copies what it needs. Errors: SN_ENOMEM, SN_EINVAL (n < 1),
- * SN_ESOLVE. */
+ * 0..n-1; the others are left out. Copies what it needs. Errors: SN_ENOMEM, SN_EINVAL (n < 1), SN_ESOLVE. */
 SN_MUST_USE sn_status sn_cholesky_create(sn_cholesky **out, const sn_csr *a, const int32_t *number, int32_t n,
-                                         const int32_t *rank, const sn_run *run, sn_error *err);
+                                         const sn_run *run, sn_error *err);
 /* The same for systems of up to some ten thousand unknowns that are solved once: an order by minimum degree,
  * found sooner than METIS's, and by many threads at a time (METIS draws from one random stream). */
 SN_MUST_USE sn_status sn_cholesky_create_small(sn_cholesky **out, const sn_csr *a, const int32_t *number,
@@ -22,8 +20,6 @@ SN_MUST_USE sn_status sn_cholesky_create_small(sn_cholesky **out, const sn_csr *
 /* Another matrix of the same pattern, without a factor yet: shares the ordering, costs no analysis. c may go
  * first. For use by another thread than c's, make it first. Errors: SN_ENOMEM. */
 SN_MUST_USE sn_status sn_cholesky_clone(sn_cholesky **out, const sn_cholesky *c, sn_error *err);
-/* rank: receives the place of each of the n unknowns in the order of elimination. */
-void sn_cholesky_order(const sn_cholesky *c, int32_t *rank);
 void sn_cholesky_destroy(sn_cholesky *c); /* NULL is fine */
 
 /* a: the matrix given to _create with other values. Errors: SN_ESOLVE (not positive definite: names the
@@ -39,6 +35,16 @@ SN_MUST_USE sn_status sn_cholesky_solve(const sn_cholesky *c, double *x, int32_t
  * the elimination tree: much cheaper than n_index solves. Needs a factor. Errors: SN_ENOMEM, SN_ECANCEL. */
 SN_MUST_USE sn_status sn_cholesky_inverse_block(const sn_cholesky *c, const int32_t *index, int32_t n_index,
                                                 const sn_run *run, double *out, sn_error *err);
+/* The x (n x n_rhs, column-major) with x[index] = value (n_index >= 1 unknowns, all different; n_index x
+ * n_rhs, column-major) and A x = 0 at all other unknowns. As cheap as that, and a half of a solve. Errors:
+ * SN_ESOLVE, SN_ENOMEM, SN_ECANCEL; x is then untouched. */
+SN_MUST_USE sn_status sn_cholesky_solve_held(const sn_cholesky *c, const int32_t *index, int32_t n_index,
+                                             const double *value, int32_t n_rhs, const sn_run *run, double *x,
+                                             sn_error *err);
+/* One right-hand side of n_entry entries, value[j] at unknown index[j] (entries of one unknown add up); zero
+ * elsewhere. Half of a solve. x: n. Errors as above. */
+SN_MUST_USE sn_status sn_cholesky_solve_few(const sn_cholesky *c, const int32_t *index, const double *value,
+                                            int32_t n_entry, const sn_run *run, double *x, sn_error *err);
 /* Dense: solves a x = b for a symmetric positive definite a (n x n, whole; overwritten) and n_rhs columns of
  * x (right-hand sides in, solutions out). Errors: SN_ESOLVE (not positive definite: names the column). */
 SN_MUST_USE sn_status sn_dense_solve_spd(double *a, int32_t n, double *x, int32_t n_rhs, sn_error *err);

@@ -27,7 +27,7 @@ int64_t sn_csr_find(const sn_csr *a, int32_t i, int32_t j)
     return lo < a->ptr[i + 1] && a->idx[lo] == j ? lo : -1;
 }
 
-double sn_tet_gradients(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 grad[4])
+static inline double gradients(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 grad[4])
 {
     const int32_t *t = m->tet + 4 * (size_t)i_tet;
     sn_vec3 a = sn_tet_mesh_point(m, t[0]);
@@ -39,6 +39,11 @@ double sn_tet_gradients(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 grad[4])
     grad[3] = sn_v3_scale(1.0 / det, sn_v3_cross(e1, e2));
     grad[0] = sn_v3_scale(-1.0, sn_v3_add(sn_v3_add(grad[1], grad[2]), grad[3]));
     return det / 6.0;
+}
+
+double sn_tet_gradients(const sn_tet_mesh *m, int32_t i_tet, sn_vec3 grad[4])
+{
+    return gradients(m, i_tet, grad);
 }
 
 void sn_assembly_free(sn_assembly *a)
@@ -177,6 +182,19 @@ static void mean_tensor(const double *tensor, const int32_t *corner, double a[6]
         for (int i = 0; i < 6; i++) a[i] += 0.25 * tensor[6 * (size_t)corner[k] + (size_t)i];
 }
 
+/* The matrix of one tet: symmetric, its rows add up to zero. tensor: NULL for the identity. */
+static inline void element(const sn_vec3 g[4], double weight, const double *tensor, double e[4][4])
+{
+    for (int i = 1; i < 4; i++) {
+        sn_vec3 flow = sn_v3_scale(weight, tensor ? apply_tensor(tensor, g[i]) : g[i]);
+        for (int k = 0; k < i; k++) e[i][k] = e[k][i] = sn_v3_dot(flow, g[k]);
+    }
+    e[0][0] = -(e[0][1] + e[0][2] + e[0][3]);
+    e[1][1] = -(e[1][0] + e[1][2] + e[1][3]);
+    e[2][2] = -(e[2][0] + e[2][1] + e[2][3]);
+    e[3][3] = -(e[3][0] + e[3][1] + e[3][2]);
+}
+
 /* Tet by tet. tensor: NULL for the identity; share: NULL for 1. */
 static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const double *tensor,
                  const double *share)
@@ -187,13 +205,13 @@ static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const do
         const int32_t *v = m->tet + 4 * (size_t)t;
         const uint16_t *slot = s->slot + 16 * (size_t)t;
         sn_vec3 g[4];
-        double weight = sn_tet_gradients(m, t, g) / size; /* volume / size^3 * grad * size . grad * size */
+        double e[4][4], weight = gradients(m, t, g) / size; /* volume / size^3 * grad * size . grad * size */
         if (tensor) mean_tensor(tensor, v, mean);
         if (share) weight *= share[t];
+        element(g, weight, tensor ? mean : NULL, e);
         for (int i = 0; i < 4; i++) {
             double *row = a->val + a->ptr[v[i]];
-            sn_vec3 flow = sn_v3_scale(weight, tensor ? apply_tensor(mean, g[i]) : g[i]);
-            for (int k = 0; k < 4; k++) row[slot[4 * i + k]] += sn_v3_dot(flow, g[k]);
+            for (int k = 0; k < 4; k++) row[slot[4 * i + k]] += e[i][k];
         }
     }
 }

@@ -2,34 +2,11 @@
 
 #include "base/alloc.h"
 #include "field/cholesky.h"
+#include "field/tissue_private.h"
 
 #include <string.h>
 
 #define BLOCK 64 /* right-hand sides solved together: bounds the memory, wide enough for BLAS */
-
-/* Room for one anisotropic muscle. Kept from solve to solve: the pages of a new factor cost as much as a good
- * part of filling it. */
-typedef struct own_room {
-    sn_cholesky *cholesky;
-    double *val, *x; /* of the matrix, n_free */
-    bool is_taken;
-} own_room;
-
-struct sn_tissue_solver {
-    const sn_body *body;
-    sn_csr laplacian, matrix; /* L, and L + alpha B'B of the same pattern */
-    sn_assembly assembly;
-    int32_t *number; /* n_vert: index among the unknowns, -1 on the skin */
-    int32_t n_free;
-    sn_cholesky *cholesky;
-    const sn_tissue_muscle *muscle;
-    int32_t n_muscle;
-    double alpha;
-    bool has_factor;
-    own_room *room; /* n_room: as many as were ever needed at once */
-    int32_t n_room;
-    sn_tissue_report report;
-};
 
 /* Vertices of skin faces are fixed; the rest are numbered. */
 static sn_status number_unknowns(sn_tissue_solver *s, sn_error *err)
@@ -75,7 +52,7 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     s->report.seconds_assembly = sn_clock() - start;
     s->report.unknowns = s->n_free;
     start = sn_clock();
-    if (!st) st = sn_cholesky_create(&s->cholesky, &s->laplacian, s->number, s->n_free, NULL, run, err);
+    if (!st) st = sn_cholesky_create(&s->cholesky, &s->laplacian, s->number, s->n_free, run, err);
     s->report.seconds_analysis = sn_clock() - start;
     if (st)
         sn_tissue_solver_destroy(s);
@@ -84,17 +61,10 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     return st;
 }
 
-static void close_room(own_room *r)
-{
-    sn_cholesky_destroy(r->cholesky);
-    sn_release(r->val);
-    sn_release(r->x);
-}
-
 void sn_tissue_solver_destroy(sn_tissue_solver *s)
 {
     if (!s) return;
-    for (int32_t i = 0; i < s->n_room; i++) close_room(&s->room[i]);
+    for (int32_t i = 0; i < s->n_room; i++) sn_tissue_close_room(s->room[i]);
     sn_release(s->room);
     sn_cholesky_destroy(s->cholesky);
     sn_csr_free(&s->laplacian);
@@ -105,7 +75,7 @@ void sn_tissue_solver_destroy(sn_tissue_solver *s)
 }
 
 /* Adds alpha B'B; a row of B touches the four corners of one tet, so it stays in the pattern of L. */
-static void add_rows(const sn_tissue_solver *s, sn_csr *matrix)
+void sn_tissue_add_rows(const sn_tissue_solver *s, sn_csr *matrix)
 {
     const sn_tet_mesh *m = &s->body->mesh;
     for (int32_t i = 0; i < s->n_muscle; i++)
@@ -119,18 +89,25 @@ static void add_rows(const sn_tissue_solver *s, sn_csr *matrix)
 }
 
 sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_tissue_muscle *muscle, int32_t n_muscle,
-                                      double alpha, const sn_run *run, sn_error *err)
+                                      double alpha, sn_error *err)
 {
     if (!(alpha > 0.0 && isfinite(alpha))) return sn_fail(err, SN_EINVAL, "alpha is %g, need > 0", alpha);
-    double start = sn_clock();
+    s->has_curves = true;
     s->has_factor = false;
     s->muscle = muscle;
     s->n_muscle = n_muscle;
     s->alpha = alpha;
     s->report.collocation_points = 0;
     for (int32_t i = 0; i < n_muscle; i++) s->report.collocation_points += muscle[i].row->n_row;
+    return SN_OK;
+}
+
+static sn_status need_factor(sn_tissue_solver *s, const sn_run *run, sn_error *err)
+{
+    if (s->has_factor) return SN_OK;
+    double start = sn_clock();
     memcpy(s->matrix.val, s->laplacian.val, (size_t)s->laplacian.ptr[s->laplacian.n] * sizeof(double));
-    add_rows(s, &s->matrix);
+    sn_tissue_add_rows(s, &s->matrix);
     sn_status st = sn_cholesky_factorize(s->cholesky, &s->matrix, run, err);
     s->report.seconds_factor = sn_clock() - start;
     s->report.factor_entries = sn_cholesky_factor_entries(s->cholesky);
@@ -139,7 +116,7 @@ sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_tissue_muscl
 }
 
 /* b = alpha B' d_i on the unknowns: the skin value of a muscle is 0. */
-static void muscle_rhs(const sn_tissue_solver *s, int32_t i, double *b)
+void sn_tissue_muscle_rhs(const sn_tissue_solver *s, int32_t i, double *b)
 {
     const sn_collocation *c = s->muscle[i].row;
     memset(b, 0, (size_t)s->n_free * sizeof *b);
@@ -167,11 +144,11 @@ static void tissue_rhs(const sn_tissue_solver *s, int32_t tissue, double fat, do
     if (tissue == 0)
         fat_rhs(s, fat, b);
     else
-        muscle_rhs(s, tissue - 1, b);
+        sn_tissue_muscle_rhs(s, tissue - 1, b);
 }
 
 /* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place). b: room for n_free. */
-static double residual_of(const sn_tissue_solver *s, const sn_csr *matrix, int32_t tissue, double fat,
+double sn_tissue_residual(const sn_tissue_solver *s, const sn_csr *matrix, int32_t tissue, double fat,
                           const double *field, double *b)
 {
     double worst = 0.0, largest = 0.0;
@@ -187,8 +164,8 @@ static double residual_of(const sn_tissue_solver *s, const sn_csr *matrix, int32
     return largest > 0.0 ? worst / largest : worst;
 }
 
-/* The whole field of a tissue from the solution on the unknowns. */
-static void put_field(const sn_tissue_solver *s, int32_t tissue, double fat, const double *x, double *field)
+void sn_tissue_put_field(const sn_tissue_solver *s, int32_t tissue, double fat, const double *x,
+                         double *field)
 {
     size_t n_vert = (size_t)s->body->mesh.n_vert;
     double *f = field + (size_t)tissue * n_vert;
@@ -208,173 +185,46 @@ static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(max : worst)
     for (int32_t k = 0; k < n; k++) {
         double *b = x + (size_t)k * (size_t)s->n_free;
-        put_field(s, tissue[k], fat, b, field);
-        worst =
-            fmax(worst, residual_of(s, &s->matrix, tissue[k], fat, field + (size_t)tissue[k] * n_vert, b));
+        sn_tissue_put_field(s, tissue[k], fat, b, field);
+        worst = fmax(
+            worst, sn_tissue_residual(s, &s->matrix, tissue[k], fat, field + (size_t)tissue[k] * n_vert, b));
     }
     s->report.residual = fmax(s->report.residual, worst);
     return SN_OK;
-}
-
-/* ---- anisotropic muscles: each with a matrix and a factor of its own, many at a time ---- */
-
-typedef struct own_solves {
-    const sn_tissue_solver *solver;
-    const int32_t *tissue;
-    double *field, *residual; /* n_vert a tissue; one of each */
-} own_solves;
-
-static sn_status open_room(const sn_tissue_solver *s, own_room *r, sn_error *err)
-{
-    *r = (own_room){.val = SN_NEW(double, s->laplacian.ptr[s->laplacian.n]), .x = SN_NEW(double, s->n_free)};
-    sn_status st = r->val && r->x ? sn_cholesky_clone(&r->cholesky, s->cholesky, err)
-                                  : sn_fail(err, SN_ENOMEM, "tissue: no memory");
-    if (st) close_room(r);
-    return st;
-}
-
-/* At least n rooms. */
-static sn_status make_rooms(sn_tissue_solver *s, int32_t n, sn_error *err)
-{
-    if (n <= s->n_room) return SN_OK;
-    own_room *room = sn_realloc(s->room, (size_t)n, sizeof *room);
-    if (!room) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
-    s->room = room;
-    for (; s->n_room < n; s->n_room++) {
-        sn_status st = open_room(s, &s->room[s->n_room], err);
-        if (st) return st;
-    }
-    return SN_OK;
-}
-
-static own_room *take_room(const sn_tissue_solver *s)
-{
-    own_room *r = s->room;
-#pragma omp critical(sn_tissue_room)
-    {
-        while (r->is_taken) r++; /* there are as many as items at once */
-        r->is_taken = true;
-    }
-    return r;
-}
-
-static void leave_room(own_room *r)
-{
-#pragma omp critical(sn_tissue_room)
-    r->is_taken = false;
-}
-
-static sn_status solve_in(const own_solves *o, int32_t i, own_room *r, const sn_run *run, sn_error *err)
-{
-    const sn_tissue_solver *s = o->solver;
-    int32_t tissue = o->tissue[i];
-    sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
-    matrix.val = r->val;
-    sn_status st = sn_run_step(run, "assembling", -1.0, err);
-    if (st) return st;
-    sn_laplacian_set_anisotropic(&matrix, &s->assembly, &s->body->mesh, s->muscle[tissue - 1].tensor);
-    add_rows(s, &matrix);
-    st = sn_cholesky_factorize(r->cholesky, &matrix, run, err);
-    if (st) return st;
-    muscle_rhs(s, tissue - 1, r->x);
-    st = sn_cholesky_solve(r->cholesky, r->x, 1, run, err);
-    if (st) return st;
-    put_field(s, tissue, 0.0, r->x, o->field);
-    o->residual[i] =
-        residual_of(s, &matrix, tissue, 0.0, o->field + (size_t)tissue * (size_t)s->body->mesh.n_vert, r->x);
-    return SN_OK;
-}
-
-static sn_status solve_own(void *user, int32_t i, const sn_run *run, sn_error *err)
-{
-    const own_solves *o = user;
-    own_room *r = take_room(o->solver);
-    sn_status st = solve_in(o, i, r, run, err);
-    leave_room(r);
-    if (!st || st == SN_ECANCEL || st == SN_ELIMIT) return st;
-    return sn_fail_prefix(err, st, "muscle '%s': ", o->solver->muscle[o->tissue[i] - 1].name);
-}
-
-static sn_status solve_anisotropic(sn_tissue_solver *s, const int32_t *tissue, int32_t n, const sn_run *run,
-                                   double *field, sn_error *err)
-{
-    if (n == 0) return SN_OK;
-    own_solves o = {s, tissue, field, SN_NEW_ZERO(double, n)};
-    sn_status st = o.residual ? sn_run_step(run, "factorizing anisotropic muscles", 0.0, err)
-                              : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d muscles", n);
-    int threads = sn_run_threads(run);
-    if (!st) st = make_rooms(s, threads < n ? threads : n, err);
-    if (!st) st = sn_run_each(run, n, solve_own, &o, err);
-    for (int32_t i = 0; i < n && !st; i++) s->report.residual = fmax(s->report.residual, o.residual[i]);
-    sn_release(o.residual);
-    return st;
-}
-
-/* ---- all wanted tissues ---- */
-
-static bool is_anisotropic(const sn_tissue_solver *s, int32_t tissue)
-{
-    return tissue > 0 && s->muscle[tissue - 1].tensor;
-}
-
-static sn_status solve_lists(sn_tissue_solver *s, const int32_t *shared, int32_t n_shared, const int32_t *own,
-                             int32_t n_own, double fat, const sn_run *run, double *field, sn_error *err)
-{
-    double *x = SN_NEW(double, (size_t)(n_shared < BLOCK ? n_shared : BLOCK) * (size_t)s->n_free);
-    sn_status st = x ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n_shared);
-    for (int32_t first = 0; !st && first < n_shared; first += BLOCK) {
-        int32_t count = n_shared - first < BLOCK ? n_shared - first : BLOCK;
-        st = sn_run_step(run, "solving", (double)first / n_shared, err);
-        if (!st) st = solve_block(s, shared + first, count, fat, run, x, field, err);
-    }
-    sn_release(x);
-    double start = sn_clock();
-    if (!st) st = solve_anisotropic(s, own, n_own, run, field, err);
-    s->report.seconds_anisotropic = sn_clock() - start;
-    return st;
 }
 
 sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted, const sn_run *run,
                                  double *field, sn_error *err)
 {
     if (!(fat >= 0.0 && isfinite(fat))) return sn_fail(err, SN_EINVAL, "fat is %g, need >= 0", fat);
-    if (!s->has_factor) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
+    if (!s->has_curves) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
+    int32_t n = 0, n_tissue = s->n_muscle + 1;
+    int32_t *tissue = SN_NEW(int32_t, n_tissue);
+    if (!tissue) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n_tissue);
+    for (int32_t i = 0; i < n_tissue; i++)
+        if (!wanted || wanted[i]) tissue[n++] = i;
+    s->report.residual = s->report.seconds_solve = 0.0;
+    s->report.n_solved = n;
+    sn_status st = n > 0 ? need_factor(s, run, err) : SN_OK;
     double start = sn_clock();
-    int32_t n_shared = 0, n_own = 0, n = s->n_muscle + 1;
-    int32_t *shared = SN_NEW(int32_t, n), *own = SN_NEW(int32_t, n);
-    sn_status st = shared && own ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n);
-    for (int32_t i = 0; !st && i < n; i++) {
-        if (wanted && !wanted[i]) continue;
-        if (is_anisotropic(s, i))
-            own[n_own++] = i;
-        else
-            shared[n_shared++] = i;
+    double *x = SN_NEW(double, (size_t)(n < BLOCK ? n : BLOCK) * (size_t)s->n_free);
+    if (!st && !x) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n);
+    for (int32_t first = 0; !st && first < n; first += BLOCK) {
+        st = sn_run_step(run, "solving", (double)first / n, err);
+        if (!st)
+            st = solve_block(s, tissue + first, n - first < BLOCK ? n - first : BLOCK, fat, run, x, field,
+                             err);
     }
-    s->report.residual = 0.0;
-    s->report.n_solved = n_shared + n_own;
-    s->report.n_anisotropic = n_own;
-    if (!st) st = solve_lists(s, shared, n_shared, own, n_own, fat, run, field, err);
     s->report.seconds_solve = sn_clock() - start;
-    sn_release(shared);
-    sn_release(own);
+    sn_release(x);
+    sn_release(tissue);
     return st;
 }
 
-const sn_csr *sn_tissue_solver_laplacian(const sn_tissue_solver *s)
+sn_status sn_tissue_solver_harmonic(const sn_tissue_solver *s, sn_harmonic **out, const sn_run *run,
+                                    sn_error *err)
 {
-    return &s->laplacian;
-}
-
-void sn_tissue_solver_order(const sn_tissue_solver *s, int32_t *rank)
-{
-    const sn_csr *a = &s->laplacian;
-    sn_cholesky_order(s->cholesky, rank); /* fits: there are no more unknowns than vertices */
-    for (int32_t v = a->n - 1; v >= 0; v--) rank[v] = s->number[v] >= 0 ? rank[s->number[v]] : -1;
-    for (int32_t v = 0; v < a->n; v++) {
-        if (s->number[v] >= 0) continue;
-        for (int64_t k = a->ptr[v]; k < a->ptr[v + 1]; k++)
-            if (s->number[a->idx[k]] >= 0 && rank[a->idx[k]] > rank[v]) rank[v] = rank[a->idx[k]];
-    }
+    return sn_harmonic_create(out, &s->laplacian, s->number, s->n_free, s->cholesky, run, err);
 }
 
 const sn_tissue_report *sn_tissue_solver_report(const sn_tissue_solver *s)

@@ -108,8 +108,10 @@ double sn_scene_kept_volume(const sn_scene *s, int32_t i_muscle); /* 0: free */
 typedef struct sn_solve_report {
     double seconds; /* of this call                                                     */
     bool was_meshed, was_factorized;
-    double seconds_frames;   /* frames and tensors of anisotropic muscles                        */
-    sn_tissue_report tissue; /* of the last solve                                                */
+    sn_tissue_report tissue; /* of the last solve; n_solved and residual with anisotropic muscles */
+    int32_t n_anisotropic;   /* of n_solved, with a factorization of their own                   */
+    double seconds_frames, seconds_anisotropic; /* summed over these muscles, which run side by side:
+                                                   frames and tensors; assembly, factor, solution  */
 } sn_solve_report;
 /* Brings the fields up to date; does nothing when they are. report: NULL to skip. Errors: SN_EINVAL (no skin,
  * no muscles, a curve that never enters the body), and those of the steps it runs. */
@@ -158,7 +160,7 @@ typedef struct sn_scene_report {
     int64_t tissues_per_tet[SN_TISSUE_HISTOGRAM]; /* [k]: tets of the body with k tissues, the last: that many
                                                      or more; [0] unused */
     sn_body_report body;
-    sn_tissue_report tissue;
+    sn_solve_report solve;
     double seconds_extract;
 } sn_scene_report;
 /* Solves and extracts first. r: zero-initialised. */

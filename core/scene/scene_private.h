@@ -51,7 +51,8 @@ struct sn_scene {
     sn_locator *locator; /* with the body */
 
     sn_tissue_solver *solver; /* with the body                                         */
-    sn_harmonic *harmonic;    /* with the body, once a muscle is anisotropic           */
+    sn_solve_report solved;   /* the last solve that had something to do               */
+    sn_harmonic *harmonic;    /* with the body; NULL until there is reason to make it  */
     sn_tissue_muscle *inputs; /* what the solver was given                             */
     bool has_factor;          /* for the curves as they are                            */
     double *field;            /* (1 + n_muscle) x n_vert                               */
@@ -68,6 +69,7 @@ void sn_scene_stale_field(sn_scene *s, int32_t i_muscle); /* tissue values; -1: 
 
 /* ---- what the steps need ---- */
 SN_MUST_USE sn_status sn_scene_no_memory(sn_error *err);
+SN_MUST_USE sn_status sn_scene_need_body(sn_scene *s, const sn_run *run, bool *was_meshed, sn_error *err);
 SN_MUST_USE sn_status sn_scene_need_paths(scene_muscle *m, sn_error *err);
 /* Scales the muscles whose volumes are to be kept. The fields are solved. */
 SN_MUST_USE sn_status sn_scene_keep_volumes(sn_scene *s, const sn_run *run, sn_error *err);

@@ -139,7 +139,7 @@ sn_status sn_scene_report_make(sn_scene *s, const sn_run *run, sn_scene_report *
         measure(s, &x, r);
         count_tissues(&x, r);
         r->body = s->body_report;
-        r->tissue = *sn_tissue_solver_report(s->solver);
+        r->solve = s->solved;
         r->seconds_extract = x.seconds;
         st = count_components(&x, r, err);
         if (!st) st = report_muscles(s, &x, run, r, err);

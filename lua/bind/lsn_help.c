@@ -50,6 +50,9 @@ static const help surfaces[] = {
     {"surface:mirror", "s:mirror{point={0, 0, 0}, normal=} -> s  reflects s itself in a plane; outside stays "
                        "outside. s:copy():mirror{...} "
                        "for a second one"},
+    {"surface:cut",
+     "s:cut{point={0, 0, 0}, normal=} -> surface  the half on the side that normal points to, with a cap in "
+     "the plane; s stays as it is. s: closed; shells in it that are turned inwards are holes of the cap"},
     {"surface:raycast",
      "s:raycast(origin, direction) -> list of {distance=, point=, face=, entering=}  in order along the ray"},
     {"surface:closest", "s:closest(p) -> {point=, distance=, face=}  the point of the surface nearest to p"},
@@ -115,8 +118,8 @@ static const help scenes[] = {
     {"scene:muscles", "scene:muscles() -> list of muscles in the order added"},
     {"scene:remove_muscle", "scene:remove_muscle(name)"},
     {"scene:solve", "scene:solve() -> {seconds=, unknowns=, collocation_points=, residual=, ...}  solves the "
-                    "tissue functions; "
-                    "does nothing when they are up to date"},
+                    "tissue functions; does nothing when they are up to date. seconds_frames and "
+                    "seconds_anisotropic are summed over the anisotropic muscles, which run side by side"},
     {"scene:values_at",
      "scene:values_at(p) -> {fat=, NAME=, ...} or nil  the tissue functions at p; nil outside the tet mesh"},
     {"scene:tissue_at", "scene:tissue_at(p) -> muscle name | \"fat\" | \"bone:NAME\" | nil outside"},
@@ -255,6 +258,10 @@ static const help results[] = {
      "fiber (unit vectors) and tendon (1 or 0) when it comes from a scene; .mesh: ids and names, tendon with "
      "ids of its "
      "own after the last tissue; a path without extension: a folder with one .obj for each muscle"},
+    {"extraction:mirror",
+     "x:mirror{point=, normal=} -> extraction  both sides of a half model, joined without a seam. A part "
+     "without a side is one part on both; the image of NAME_l goes to NAME_r and the other way round (also "
+     "_L _R, .l .r, .L .R, _left _right), new parts come last. Fibers are reflected, too"},
     {"extraction:fiber_lines", "x:fiber_lines{count=100, file=} -> {NAME={line, ...}, ...}  as "
                                "part:fiber_lines, for every muscle that has fibers"},
     {"extraction:close", "x:close()  gives its memory back at once"},

@@ -233,8 +233,9 @@ static int scene_tetrahedralize(lua_State *L)
     return 1;
 }
 
-static void set_tissue_report(lua_State *L, const sn_tissue_report *r)
+static void set_solve_report(lua_State *L, const sn_solve_report *s)
 {
+    const sn_tissue_report *r = &s->tissue;
     lsn_set_integer(L, "unknowns", r->unknowns);
     lsn_set_integer(L, "collocation_points", r->collocation_points);
     lsn_set_integer(L, "factor_entries", r->factor_entries);
@@ -244,8 +245,9 @@ static void set_tissue_report(lua_State *L, const sn_tissue_report *r)
     lsn_set_number(L, "seconds_analysis", r->seconds_analysis);
     lsn_set_number(L, "seconds_factor", r->seconds_factor);
     lsn_set_number(L, "seconds_solve", r->seconds_solve);
-    lsn_set_integer(L, "anisotropic", r->n_anisotropic);
-    lsn_set_number(L, "seconds_anisotropic", r->seconds_anisotropic);
+    lsn_set_integer(L, "anisotropic", s->n_anisotropic);
+    lsn_set_number(L, "seconds_frames", s->seconds_frames);
+    lsn_set_number(L, "seconds_anisotropic", s->seconds_anisotropic);
 }
 
 static int scene_solve(lua_State *L)
@@ -255,10 +257,9 @@ static int scene_solve(lua_State *L)
     sn_error err;
     lsn_scene_must(L, s, sn_scene_solve(s, run_of(L), &r, &err), &err);
     lua_createtable(L, 0, 12);
-    set_tissue_report(L, &r.tissue);
+    set_solve_report(L, &r);
     lsn_set_bool(L, "meshed", r.was_meshed);
     lsn_set_bool(L, "factorized", r.was_factorized);
-    lsn_set_number(L, "seconds_frames", r.seconds_frames);
     lsn_set_number(L, "seconds", r.seconds);
     return 1;
 }
@@ -365,10 +366,10 @@ static void push_timings(lua_State *L, const sn_scene_report *r)
 {
     lua_createtable(L, 0, 6);
     lsn_set_number(L, "tetrahedralize", r->body.seconds);
-    lsn_set_number(L, "assembly", r->tissue.seconds_assembly);
-    lsn_set_number(L, "analysis", r->tissue.seconds_analysis);
-    lsn_set_number(L, "factor", r->tissue.seconds_factor);
-    lsn_set_number(L, "solve", r->tissue.seconds_solve);
+    lsn_set_number(L, "assembly", r->solve.tissue.seconds_assembly);
+    lsn_set_number(L, "analysis", r->solve.tissue.seconds_analysis);
+    lsn_set_number(L, "factor", r->solve.tissue.seconds_factor);
+    lsn_set_number(L, "solve", r->solve.tissue.seconds_solve);
     lsn_set_number(L, "extract", r->seconds_extract);
 }
 
@@ -391,7 +392,7 @@ static void push_report(lua_State *L, const sn_scene *s, const sn_scene_report *
     push_body_report(L, &r->body);
     lua_setfield(L, -2, "body");
     lua_newtable(L);
-    set_tissue_report(L, &r->tissue);
+    set_solve_report(L, &r->solve);
     lua_setfield(L, -2, "solve");
     push_timings(L, r);
     lua_setfield(L, -2, "timings");

@@ -28,13 +28,29 @@ static sn_tet_mesh shaken_box(int n)
     return m;
 }
 
-static sn_harmonic *harmonic_of(const sn_tet_mesh *m, const int32_t *rank)
+/* 0, 1, 2, ...: no vertex is held at 0. */
+static int32_t *all_free(int32_t n)
+{
+    int32_t *number = malloc((size_t)n * sizeof *number);
+    for (int32_t v = 0; v < n; v++) number[v] = v;
+    return number;
+}
+
+static sn_status create_free(sn_harmonic **h, const sn_csr *a, const sn_run *run, sn_error *err)
+{
+    int32_t *number = all_free(a->n);
+    sn_status st = sn_harmonic_create(h, a, number, a->n, NULL, run, err);
+    free(number); /* borrowed for the call only */
+    return st;
+}
+
+static sn_harmonic *harmonic_of(const sn_tet_mesh *m)
 {
     sn_csr a = laplacian_of(m);
     sn_harmonic *h = NULL;
     sn_error err = {.msg = ""};
-    if (sn_harmonic_create(&h, &a, rank, NULL, &err)) fail_msg("%s", err.msg);
-    sn_csr_free(&a); /* borrowed for the call only */
+    if (create_free(&h, &a, NULL, &err)) fail_msg("%s", err.msg);
+    sn_csr_free(&a);
     return h;
 }
 
@@ -76,7 +92,7 @@ static void linear_functions_are_reproduced(void **state)
         fixed[n_fixed++] = v;
     }
     assert_int_equal(n_fixed, s * s * s - (s - 2) * (s - 2) * (s - 2));
-    sn_harmonic *h = harmonic_of(&m, NULL);
+    sn_harmonic *h = harmonic_of(&m);
     assert_int_equal(sn_harmonic_solve(h, fixed, n_fixed, value, 1, NULL, out, NULL), SN_OK);
     for (int32_t v = 0; v < m.n_vert; v++) assert_true(fabs(out[v] - linear_at(&m, v)) < 1e-7);
     for (int32_t i = 0; i < n_fixed; i++) assert_true(out[fixed[i]] == value[i]);
@@ -134,7 +150,7 @@ static void agrees_with_conjugate_gradients(void **state)
     (void)state;
     sn_tet_mesh m = shaken_box(6);
     sn_csr a = laplacian_of(&m);
-    sn_harmonic *h = harmonic_of(&m, NULL);
+    sn_harmonic *h = harmonic_of(&m);
     const int32_t counts[] = {1, 2, 17, 120}; /* one value alone is held by the whisper of mass only */
     uint64_t seed = 4711;
     for (int i = 0; i < 4; i++) {
@@ -172,7 +188,7 @@ static void constants_stay_constant(void **state)
 {
     (void)state;
     sn_tet_mesh m = shaken_box(12);
-    sn_harmonic *h = harmonic_of(&m, NULL);
+    sn_harmonic *h = harmonic_of(&m);
     double *out = malloc((size_t)m.n_vert * sizeof *out);
     int32_t fixed[40];
     uint64_t seed = 99;
@@ -200,7 +216,7 @@ static void a_piece_without_values_gets_zero(void **state)
                     sn_v3_add(sn_tet_mesh_point(&a, v % a.n_vert), sn_v3(v < a.n_vert ? 0.0 : 10.0, 0, 0)));
     for (int32_t k = 0; k < 4 * m.n_tet; k++)
         m.tet[k] = a.tet[k % (4 * a.n_tet)] + (k < 4 * a.n_tet ? 0 : a.n_vert);
-    sn_harmonic *h = harmonic_of(&m, NULL);
+    sn_harmonic *h = harmonic_of(&m);
     double *out = malloc((size_t)m.n_vert * sizeof *out);
     assert_int_equal(sn_harmonic_solve(h, (int32_t[]){70, 100}, 2, (double[]){2.0, 2.0}, 1, NULL, out, NULL),
                      SN_OK);
@@ -212,35 +228,81 @@ static void a_piece_without_values_gets_zero(void **state)
     sn_tet_mesh_free(&m);
 }
 
-/* Any order of elimination gives the same functions; that of a tissue solver is one. */
-static void the_order_does_not_matter(void **state)
+/* The functions of a tissue solver are 0 on the skin and harmonic elsewhere: those of a factor made for that.
+ */
+static void functions_held_at_zero(void **state)
 {
     (void)state;
     sn_tet_mesh m = shaken_box(8);
+    sn_csr a = laplacian_of(&m);
     sn_body body;
     sn_tissue_solver *solver = NULL;
-    int32_t fixed[25], *rank = malloc((size_t)m.n_vert * sizeof *rank);
-    double value[25], *out[3];
-    uint64_t seed = 5;
+    sn_harmonic *h = NULL, *own = NULL;
     sn_body_init(&body);
     assert_int_equal(sn_body_from_tets(&m, SN_LABEL_SKIN, &body, NULL), SN_OK);
     assert_int_equal(sn_tissue_solver_create(&solver, &body, NULL, NULL), SN_OK);
-    choose(fixed, 25, m.n_vert, &seed);
-    for (int i = 0; i < 25; i++) value[i] = made_random(&seed);
-    for (int i = 0; i < 3; i++) {
-        if (i == 1) sn_tissue_solver_order(solver, rank);
-        for (int32_t v = 0; v < m.n_vert && i == 2; v++) rank[v] = v % 7;
-        sn_harmonic *h = harmonic_of(&m, i ? rank : NULL);
-        out[i] = malloc((size_t)m.n_vert * sizeof **out);
-        assert_int_equal(sn_harmonic_solve(h, fixed, 25, value, 1, NULL, out[i], NULL), SN_OK);
-        sn_harmonic_destroy(h);
+    assert_int_equal(sn_tissue_solver_harmonic(solver, &h, NULL, NULL), SN_OK);
+    const int32_t *number = sn_harmonic_numbers(h);
+    int32_t fixed[3], n_free = 0;
+    for (int32_t v = 0; v < m.n_vert; v++) n_free += number[v] >= 0;
+    assert_int_equal(n_free, 7 * 7 * 7);
+    for (int32_t v = 0; v < m.n_vert; v++)
+        for (int i = 0; i < 3; i++)
+            if (number[v] == 100 + 60 * i) fixed[i] = v;
+    assert_int_equal(sn_harmonic_create(&own, &a, number, n_free, NULL, NULL, NULL), SN_OK);
+    const double value[6] = {1, -2, 3, 0, 0, 1};
+    double *out = malloc(2 * (size_t)m.n_vert * sizeof *out),
+           *other = malloc(2 * (size_t)m.n_vert * sizeof *out);
+    bool *is_held = calloc((size_t)m.n_vert, sizeof *is_held);
+    assert_int_equal(sn_harmonic_solve(h, fixed, 3, value, 2, NULL, out, NULL), SN_OK);
+    assert_int_equal(sn_harmonic_solve(own, fixed, 3, value, 2, NULL, other, NULL), SN_OK);
+    for (int32_t v = 0; v < m.n_vert; v++) is_held[v] = number[v] < 0;
+    for (int i = 0; i < 3; i++) is_held[fixed[i]] = true;
+    for (int32_t f = 0; f < 2; f++) {
+        double *x = calloc((size_t)m.n_vert, sizeof *x);
+        for (int i = 0; i < 3; i++) x[fixed[i]] = value[3 * f + i];
+        solve_slowly(&a, is_held, x);
+        for (int32_t v = 0; v < m.n_vert; v++) {
+            assert_true(fabs(out[f * m.n_vert + v] - x[v]) < 1e-6);
+            assert_true(fabs(out[f * m.n_vert + v] - other[f * m.n_vert + v]) < 1e-12);
+            if (number[v] < 0) assert_true(out[f * m.n_vert + v] == 0.0);
+        }
+        free(x);
     }
-    for (int i = 1; i < 3; i++)
-        for (int32_t v = 0; v < m.n_vert; v++) assert_true(fabs(out[i][v] - out[0][v]) < 1e-6);
-    for (int i = 0; i < 3; i++) free(out[i]);
-    free(rank);
+    free(out);
+    free(other);
+    free(is_held);
+    sn_harmonic_destroy(h);
+    sn_harmonic_destroy(own);
     sn_tissue_solver_destroy(solver);
     sn_body_free(&body);
+    sn_csr_free(&a);
+    sn_tet_mesh_free(&m);
+}
+
+/* A few entries of a right-hand side, among them two at one unknown, against the whole. */
+static void right_hand_sides_of_few_entries(void **state)
+{
+    (void)state;
+    sn_tet_mesh m = shaken_box(7);
+    sn_csr a = laplacian_of(&m);
+    for (int32_t v = 0; v < a.n; v++) a.val[sn_csr_find(&a, v, v)] += 0.1;
+    int32_t *number = all_free(a.n);
+    sn_cholesky *c = NULL;
+    assert_int_equal(sn_cholesky_create(&c, &a, number, a.n, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_factorize(c, &a, NULL, NULL), SN_OK);
+    const int32_t index[] = {300, 7, 511, 300, 44};
+    const double value[] = {1, -2, 0.5, 3, 1e-3};
+    double *x = calloc((size_t)a.n, sizeof *x), *few = malloc((size_t)a.n * sizeof *few);
+    for (int i = 0; i < 5; i++) x[index[i]] += value[i];
+    assert_int_equal(sn_cholesky_solve(c, x, 1, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_solve_few(c, index, value, 5, NULL, few, NULL), SN_OK);
+    for (int32_t v = 0; v < a.n; v++) assert_true(fabs(x[v] - few[v]) < 1e-12);
+    sn_cholesky_destroy(c);
+    free(number);
+    free(x);
+    free(few);
+    sn_csr_free(&a);
     sn_tet_mesh_free(&m);
 }
 
@@ -254,9 +316,9 @@ static void interrupted(void **state)
     volatile sig_atomic_t cancel = 1;
     sn_run stop = {.cancel = &cancel};
     double *out = malloc((size_t)m.n_vert * sizeof *out);
-    assert_int_equal(sn_harmonic_create(&h, &a, NULL, &stop, &err), SN_ECANCEL);
+    assert_int_equal(create_free(&h, &a, &stop, &err), SN_ECANCEL);
     assert_null(h);
-    assert_int_equal(sn_harmonic_create(&h, &a, NULL, NULL, NULL), SN_OK);
+    assert_int_equal(create_free(&h, &a, NULL, NULL), SN_OK);
     assert_int_equal(sn_harmonic_solve(h, (int32_t[]){3}, 1, (double[]){1}, 1, &stop, out, &err), SN_ECANCEL);
     assert_memory_equal(err.msg, "interrupted", 11);
     cancel = 0; /* and taken up again */
@@ -274,8 +336,7 @@ static void every_allocation_may_fail(void **state)
     sn_tet_mesh m = shaken_box(3);
     sn_csr a = laplacian_of(&m);
     double *out = malloc((size_t)m.n_vert * sizeof *out);
-    int32_t *rank = malloc((size_t)m.n_vert * sizeof *rank);
-    for (int32_t v = 0; v < m.n_vert; v++) rank[v] = v;
+    int32_t *number = all_free(m.n_vert);
     sn_status st = SN_ENOMEM;
     int n = 0;
     for (; st; n++) {
@@ -283,7 +344,7 @@ static void every_allocation_may_fail(void **state)
         sn_harmonic *h = NULL;
         sn_error err;
         sn_set_allocator(RATION(r));
-        st = sn_harmonic_create(&h, &a, rank, &(sn_run){.n_threads = 1}, &err);
+        st = sn_harmonic_create(&h, &a, number, a.n, NULL, &(sn_run){.n_threads = 1}, &err);
         if (st) assert_null(h);
         if (!st) st = sn_harmonic_solve(h, (int32_t[]){3, 40, 7}, 3, (double[]){1, 2, 3}, 1, NULL, out, &err);
         if (st) assert_int_equal(err.code, SN_ENOMEM);
@@ -295,7 +356,7 @@ static void every_allocation_may_fail(void **state)
     assert_true(n > 12);
     sn_set_allocator(NULL);
     free(out);
-    free(rank);
+    free(number);
     sn_csr_free(&a);
     sn_tet_mesh_free(&m);
 }
@@ -328,10 +389,10 @@ static void free_spd(spd *s)
     free(s->number);
 }
 
-static sn_cholesky *factor_of(const spd *s, const int32_t *rank)
+static sn_cholesky *factor_of(const spd *s)
 {
     sn_cholesky *c = NULL;
-    assert_int_equal(sn_cholesky_create(&c, &s->a, s->number, s->n, rank, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_create(&c, &s->a, s->number, s->n, NULL, NULL), SN_OK);
     assert_int_equal(sn_cholesky_factorize(c, &s->a, NULL, NULL), SN_OK);
     assert_true(sn_cholesky_factor_entries(c) > s->n);
     return c;
@@ -341,7 +402,7 @@ static void blocks_of_the_inverse(void **state)
 {
     (void)state;
     spd s = make_spd(7);
-    sn_cholesky *c = factor_of(&s, NULL);
+    sn_cholesky *c = factor_of(&s);
     size_t n = (size_t)s.n;
     double *inverse = calloc(n * n, sizeof *inverse), largest = 0.0;
     for (size_t i = 0; i < n; i++) inverse[i * n + i] = 1.0;
@@ -384,7 +445,7 @@ static void clones_give_the_same_bits(void **state)
 {
     (void)state;
     spd s = make_spd(6);
-    sn_cholesky *c = factor_of(&s, NULL), *clone = NULL;
+    sn_cholesky *c = factor_of(&s), *clone = NULL;
     size_t size = 3 * (size_t)s.n * sizeof(double);
     double *x = malloc(size), *y = malloc(size), *block = malloc(16 * sizeof *block), other[16];
     const int32_t index[] = {5, 0, 77, 31};
@@ -424,44 +485,12 @@ static void clones_give_the_same_bits(void **state)
     free_spd(&s);
 }
 
-static void orders_of_elimination(void **state)
-{
-    (void)state;
-    spd s = make_spd(6);
-    sn_cholesky *c = factor_of(&s, NULL);
-    int32_t *rank = malloc((size_t)s.n * sizeof *rank), *seen = calloc((size_t)s.n, sizeof *seen);
-    double *x = malloc((size_t)s.n * sizeof *x), *y = malloc((size_t)s.n * sizeof *y);
-    sn_cholesky_order(c, rank);
-    for (int32_t i = 0; i < s.n; i++) assert_true(rank[i] >= 0 && rank[i] < s.n && !seen[rank[i]]++);
-    int64_t entries = sn_cholesky_factor_entries(c);
-    fill_rhs(x, s.n);
-    assert_int_equal(sn_cholesky_solve(c, x, 1, NULL, NULL), SN_OK);
-    sn_cholesky_destroy(c);
-    for (int round = 0; round < 2; round++) { /* METIS's own order, and one that fills the factor */
-        for (int32_t i = 0; i < s.n && round == 1; i++) rank[i] = (i * 37) % 100;
-        c = factor_of(&s, rank);
-        if (round == 0)
-            assert_int_equal(sn_cholesky_factor_entries(c), entries);
-        else
-            assert_true(sn_cholesky_factor_entries(c) > entries);
-        fill_rhs(y, s.n);
-        assert_int_equal(sn_cholesky_solve(c, y, 1, NULL, NULL), SN_OK);
-        for (int32_t i = 0; i < s.n; i++) assert_true(fabs(x[i] - y[i]) < 1e-11);
-        sn_cholesky_destroy(c);
-    }
-    free(rank);
-    free(seen);
-    free(x);
-    free(y);
-    free_spd(&s);
-}
-
 /* The order by minimum degree, for small systems: another factor, the same solution; clones as of any. */
 static void small_systems(void **state)
 {
     (void)state;
     spd s = make_spd(6);
-    sn_cholesky *c[3] = {factor_of(&s, NULL), NULL, NULL};
+    sn_cholesky *c[3] = {factor_of(&s), NULL, NULL};
     double *x[3];
     sn_error err;
     assert_int_equal(sn_cholesky_create_small(&c[1], &s.a, s.number, 0, NULL, &err), SN_EINVAL);
@@ -505,12 +534,12 @@ int main(void)
         cmocka_unit_test(agrees_with_conjugate_gradients),
         cmocka_unit_test(constants_stay_constant),
         cmocka_unit_test(a_piece_without_values_gets_zero),
-        cmocka_unit_test(the_order_does_not_matter),
+        cmocka_unit_test(functions_held_at_zero),
+        cmocka_unit_test(right_hand_sides_of_few_entries),
         cmocka_unit_test(interrupted),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(blocks_of_the_inverse),
         cmocka_unit_test(clones_give_the_same_bits),
-        cmocka_unit_test(orders_of_elimination),
         cmocka_unit_test(small_systems),
         cmocka_unit_test(dense_systems),
     };

@@ -689,7 +689,7 @@ static void the_report_adds_up(void **state)
     assert_true(r.muscle[0].length > 2.0 && r.muscle[0].length < 2.1);
     assert_int_equal(r.body.n_tet, m->n_tet);
     assert_int_equal(r.body.n_vert, m->n_vert);
-    assert_true(r.tissue.unknowns > 0 && r.tissue.unknowns < m->n_vert);
+    assert_true(r.solve.tissue.unknowns > 0 && r.solve.tissue.unknowns < m->n_vert);
     sn_extraction_free(&x);
 
     /* Muscles in pieces: one that is strong at its ends and weaker than fat between, and what it leaves of
