@@ -52,6 +52,21 @@ void sn_child_exec(sn_child_out *out, const char *program, const void *input, si
     (void)execve(program, argv, env);
 }
 
+void sn_child_exec_beside(sn_child_out *out, const char *name, const char *built, const void *input,
+                          size_t size)
+{
+    char path[4096];
+    size_t room = strlen(name) + 1;
+    ssize_t n = room < sizeof path ? readlink("/proc/self/exe", path, sizeof path - room) : -1;
+    if (n > 0) {
+        path[n] = '\0';
+        char *slash = strrchr(path, '/');
+        memcpy(slash ? slash + 1 : path, name, room);
+        sn_child_exec(out, path, input, size);
+    }
+    sn_child_exec(out, built, input, size);
+}
+
 int sn_child_serve(sn_status (*fn)(const char *, size_t, sn_child_out *, sn_error *))
 {
     sn_child_out out = {STDOUT_FILENO};

@@ -19,6 +19,9 @@ void sn_child_send(sn_child_out *out, const void *data, size_t size);
  * are not randomized), so code whose result depends on addresses gives the same result every time. Returns
  * only when that program cannot be run. */
 void sn_child_exec(sn_child_out *out, const char *program, const void *input, size_t size);
+/* The same with the program `name` beside the running one; else with the one at `built`. */
+void sn_child_exec_beside(sn_child_out *out, const char *name, const char *built, const void *input,
+                          size_t size);
 /* The main function of such a program: returns its exit code. fn as in sn_child_run, with the input. */
 int sn_child_serve(sn_status (*fn)(const char *input, size_t size, sn_child_out *out, sn_error *err));
 

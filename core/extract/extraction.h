@@ -8,6 +8,7 @@
 #ifndef SN_EXTRACT_EXTRACTION_H
 #define SN_EXTRACT_EXTRACTION_H
 
+#include "base/plane.h"
 #include "base/run.h"
 #include "mesh/tet_io.h"
 #include "mesh/tet_mesh.h"
@@ -17,11 +18,19 @@
 
 #define SN_MAX_TISSUES 4096
 
+/* What an extraction made by sn_extraction_mirror is the double of. The half's vertices, tets, tissues and
+ * muscles come first in the whole, as they were but for vertices moved onto the plane; tet n_tet + i is the
+ * image of tet i. */
+typedef struct sn_extraction_half {
+    sn_plane plane;
+    int32_t n_vert, n_tet, n_tissue, n_muscle; /* n_tet is 0 in any other extraction */
+} sn_extraction_half;
+
 typedef struct sn_extraction { /* open */
     sn_tet_mesh mesh;          /* all cells; part = tissue id: 0 is the first function (fat)              */
-    int32_t *source;           /* n_tet: the input tet that the tet lies in; owned                        */
-    double *envelope;          /* n_vert: the largest tissue function's value there; owned                */
-    char **name;               /* n_tissue; owned                                                         */
+    int32_t *source;  /* n_tet: the input tet that the tet, or the one it is the image of, lies in; owned */
+    double *envelope; /* n_vert: the largest tissue function's value there; owned                */
+    char **name;      /* n_tissue; owned                                                         */
     int32_t n_tissue;
     sn_muscle *muscle;   /* n_muscle: what is known of tissues 1, 2, ...; owned                      */
     int32_t n_muscle;    /* 0: nothing                                                               */
@@ -29,6 +38,7 @@ typedef struct sn_extraction { /* open */
     int64_t n_moved;     /* corners kept away from the ends of their edge, the border of their face or tet  */
     double largest_move; /* of those, in input units                                                */
     double seconds;
+    sn_extraction_half half;
 } sn_extraction;
 
 void sn_extraction_init(sn_extraction *x);
@@ -65,6 +75,11 @@ SN_MUST_USE sn_status sn_extraction_check_run(sn_extraction_check *out, const sn
  * error x is unchanged. Errors: SN_ENOMEM. */
 SN_MUST_USE sn_status sn_extraction_set_muscles(sn_extraction *x, const sn_muscle *const *muscle,
                                                 int32_t n_muscle, sn_error *err);
+
+static inline bool sn_extraction_is_image(const sn_extraction *x, int32_t i_tet)
+{
+    return x->half.n_tet > 0 && i_tet >= x->half.n_tet;
+}
 
 int32_t sn_extraction_find(const sn_extraction *x, const char *name); /* tissue id, or -1 */
 /* One tissue alone: its tets (part = tissue id) with the vertices they use, in order. Empty tissue: 0 tets,

@@ -38,7 +38,9 @@ static sn_status check_outside(const sn_extraction *x, const int32_t *adj, const
         bool on[4] = {true, true, true, true}, ok = false;
         for (int i = 0; i < 3; i++) {
             double b[4];
-            sn_tet_barycentric(input, source, sn_tet_mesh_point(&x->mesh, t[f[i]]), b);
+            sn_vec3 p = sn_tet_mesh_point(&x->mesh, t[f[i]]);
+            if (sn_extraction_is_image(x, (int32_t)(h >> 2))) p = sn_plane_reflect(&x->half.plane, p);
+            sn_tet_barycentric(input, source, p, b);
             for (int k = 0; k < 4; k++) on[k] = on[k] && fabs(b[k]) < ON_BORDER;
         }
         for (int k = 0; k < 4; k++) ok = ok || (on[k] && in_adj[4 * (size_t)source + (size_t)k] < 0);

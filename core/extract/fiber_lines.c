@@ -2,6 +2,7 @@
 #include "extract/part_fibers.h"
 
 #include "base/alloc.h"
+#include "extract/extraction_mirror.h"
 #include "tetra/locate.h"
 
 enum { steps_per_curve = 128, max_steps = 4096, bisections = 12 };
@@ -108,8 +109,9 @@ static sn_status trace_all(tracer *t, int32_t n, const sn_run *run, sn_polylines
     return st;
 }
 
-sn_status sn_part_fibers_lines(const sn_part_fibers *p, const sn_extraction *x, int32_t n, const sn_run *run,
-                               sn_polylines *out, sn_error *err)
+/* x: not mirrored. */
+static sn_status trace_part(const sn_part_fibers *p, const sn_extraction *x, int32_t n, const sn_run *run,
+                            sn_polylines *out, sn_error *err)
 {
     tracer t = {.part = p, .step = INFINITY};
     sn_tet_mesh_init(&t.mesh);
@@ -120,5 +122,35 @@ sn_status sn_part_fibers_lines(const sn_part_fibers *p, const sn_extraction *x, 
     if (!st) st = trace_all(&t, n, run, out, err);
     sn_locator_destroy(t.locator);
     sn_tet_mesh_free(&t.mesh);
+    return st;
+}
+
+/* ---- mirrored extractions ---- */
+
+/* The lines of the half from `first` on become those of the part, reflected for the image. */
+static void show_lines(sn_polylines *lines, size_t first, int32_t tissue, const sn_plane *mirror)
+{
+    for (size_t i = first; i < lines->n_line; i++) lines->part[i] = tissue;
+    for (size_t k = lines->first ? (size_t)lines->first[first] : 0; mirror && k < lines->n_point; k++)
+        sn_v3_store(lines->pos + 3 * k, sn_plane_reflect(mirror, sn_polylines_point(lines, k)));
+}
+
+sn_status sn_part_fibers_lines(const sn_part_fibers *p, const sn_extraction *x, int32_t n, const sn_run *run,
+                               sn_polylines *out, sn_error *err)
+{
+    if (x->half.n_tet == 0) return trace_part(p, x, n, run, out, err);
+    sn_extraction half = sn_extraction_half_view(x);
+    sn_part_fibers side[2] = {sn_part_fibers_side(p, x, false), sn_part_fibers_side(p, x, true)};
+    double volume[2] = {0.0, 0.0};
+    for (int i = 0; i < 2; i++)
+        if (side[i].n_tet > 0) volume[i] = sn_extraction_part_volume(&half, side[i].tissue);
+    int32_t n_own = (int32_t)floor(n * volume[0] / (volume[0] + volume[1]) + 0.5);
+    sn_status st = SN_OK;
+    for (int i = 0; i < 2 && !st; i++) {
+        size_t first = out->n_line;
+        if (side[i].n_tet == 0) continue;
+        st = trace_part(&side[i], &half, i == 0 ? n_own : n - n_own, run, out, err);
+        if (!st) show_lines(out, first, p->tissue, i == 0 ? NULL : &x->half.plane);
+    }
     return st;
 }

@@ -7,7 +7,7 @@
 #include "field/tendon.h"
 #include "mesh/polylines.h"
 
-typedef struct sn_part_fibers { /* open; read only */
+typedef struct sn_part_fibers { /* open; read only. In a mirrored extraction fields are those of the half */
     int32_t tissue;
     sn_fibers fibers;
     sn_tendons tendons;
@@ -15,15 +15,23 @@ typedef struct sn_part_fibers { /* open; read only */
     int32_t *tet;    /* n_tet: the extraction's tets of the muscle, ascending; owned            */
     int32_t *source; /* n_tet: the input tet of each; owned                                     */
     int32_t n_tet;
+    struct sn_part_fibers *image; /* the field that images of tets reflect, where it is another one than that
+                                     of the other tets; owned, NULL: it is the same */
 } sn_part_fibers;
 
-/* input: the tets that x was cut from. m: the muscle whose curves and wishes to follow, or NULL for the one
- * that x knows (sn_extraction_set_muscles). p: zero-initialised. Errors: SN_EINVAL (fat; no curve known;
- * empty; heads without a shared end: the message names the part), SN_ENOMEM, SN_ESOLVE, SN_ECANCEL. */
+/* input: the tets that x was cut from; when x is mirrored, those that its half was cut from. m: the muscle
+ * whose curves and wishes to follow, or NULL for the one that x knows (sn_extraction_set_muscles). In a
+ * mirrored extraction m leads the half's tets and its reflection their images; a part that is all image is
+ * led by m itself. p: zero-initialised. Errors: SN_EINVAL (fat; no curve known; empty; heads without a shared
+ * end: the message names the part), SN_ENOMEM, SN_ESOLVE, SN_ECANCEL. */
 SN_MUST_USE sn_status sn_part_fibers_build(sn_part_fibers *p, const sn_extraction *x,
                                            const sn_tet_mesh *input, int32_t tissue, const sn_muscle *m,
                                            const sn_run *run, sn_error *err);
 void sn_part_fibers_free(sn_part_fibers *p);
+
+/* One side of a part of a mirrored extraction, as a part of its half: of the tets that are no images, or of
+ * those whose images they are. Borrows, not to be freed; tet is NULL. */
+sn_part_fibers sn_part_fibers_side(const sn_part_fibers *p, const sn_extraction *x, bool is_image);
 
 /* For each tet of the part: centre (n_tet), unit direction (n_tet), u (n_tet), is it tendon (n_tet). NULL to
  * skip any. */
@@ -36,6 +44,10 @@ void sn_part_fibers_sample(const sn_part_fibers *p, const sn_extraction *x, cons
  * out: appended to. Errors: SN_ENOMEM, SN_ECANCEL. */
 SN_MUST_USE sn_status sn_part_fibers_lines(const sn_part_fibers *p, const sn_extraction *x, int32_t n,
                                            const sn_run *run, sn_polylines *out, sn_error *err);
+
+/* Counts of both sides in a mirrored extraction. Errors: SN_ENOMEM. */
+SN_MUST_USE sn_status sn_part_fibers_check(const sn_part_fibers *p, const sn_extraction *x,
+                                           sn_fibers_check *out, sn_error *err);
 
 typedef struct sn_part_architecture {
     double volume, belly_volume; /* with and without tendon                                                */

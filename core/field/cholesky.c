@@ -6,10 +6,6 @@
 #include <omp.h>
 #include <string.h>
 
-/* LAPACK, which OpenBLAS brings along without its header. */
-extern void dposv_(const char *uplo, const int *n, const int *n_rhs, double *a, const int *lda, double *b,
-                   const int *ldb, int *info);
-
 static sn_status fail_by_status(const cholmod_common *c, const char *what, sn_error *err)
 {
     if (c->status == CHOLMOD_OUT_OF_MEMORY) return sn_fail(err, SN_ENOMEM, "%s: no memory", what);
@@ -215,13 +211,4 @@ sn_status sn_cholesky_solve(const sn_cholesky *c, double *x, int32_t n_rhs, cons
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c)
 {
     return c->factor && c->factor->is_super ? (int64_t)c->factor->xsize : 0;
-}
-
-sn_status sn_dense_solve_spd(double *a, int32_t n, double *x, int32_t n_rhs, sn_error *err)
-{
-    int info = 0;
-    openblas_set_num_threads(1);
-    dposv_("L", &n, &n_rhs, a, &n, x, &n, &info);
-    if (info == 0) return SN_OK;
-    return sn_fail(err, SN_ESOLVE, "the dense matrix is not positive definite (column %d of %d)", info, n);
 }

@@ -1,6 +1,6 @@
 /* cholesky.h - sparse Cholesky of symmetric positive definite matrices: analyse once, factorize often, solve
  * many right-hand sides together. The only part of the library that sees CHOLMOD (its 64-bit interface, METIS
- * ordering, supernodal) and LAPACK. */
+ * ordering, supernodal). */
 #ifndef SN_FIELD_CHOLESKY_H
 #define SN_FIELD_CHOLESKY_H
 
@@ -45,9 +45,6 @@ SN_MUST_USE sn_status sn_cholesky_solve_held(const sn_cholesky *c, const int32_t
  * elsewhere. Half of a solve. x: n. Errors as above. */
 SN_MUST_USE sn_status sn_cholesky_solve_few(const sn_cholesky *c, const int32_t *index, const double *value,
                                             int32_t n_entry, const sn_run *run, double *x, sn_error *err);
-/* Dense: solves a x = b for a symmetric positive definite a (n x n, whole; overwritten) and n_rhs columns of
- * x (right-hand sides in, solutions out). Errors: SN_ESOLVE (not positive definite: names the column). */
-SN_MUST_USE sn_status sn_dense_solve_spd(double *a, int32_t n, double *x, int32_t n_rhs, sn_error *err);
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* stored for the factor; known from the analysis */
 
 #endif

@@ -4,6 +4,7 @@
  * zero off the path from its unknown to the root of the elimination tree, so Y is kept for the supernodes on
  * some path only, and going forward costs next to nothing. */
 #include "base/alloc.h"
+#include "base/dense.h"
 #include "field/cholesky_private.h"
 
 #include <string.h>

@@ -4,151 +4,13 @@
 #include "mesh/mesh_check.h"
 #include "mesh/polygonize.h"
 #include "mesh/remesh.h"
-
-#include <stdatomic.h>
+#include "mesh/shape_private.h"
 
 #define MAX_SIZE 1e50 /* squares and products of sizes stay finite and above zero */
 #define MIN_SIZE 1e-50
 #define MAX_DEPTH 1000 /* values and releases recurse */
 #define LATTICE_REL                                                                                          \
     0.6 /* lattice cell over edge length: the remesher starts with some more detail than it keeps */
-
-typedef enum shape_kind { SPHERE, ELLIPSOID, CAPSULE, BOX, UNION, SMOOTH_UNION, SUBTRACT } shape_kind;
-
-struct sn_shape {
-    atomic_int refs;
-    shape_kind kind;
-    int depth;       /* 1 for a leaf */
-    sn_box3 bounds;  /* outside it the value is at least the distance to it */
-    sn_vec3 center;  /* capsule: the end a                           */
-    sn_vec3 size;    /* radii, half sizes; capsule: unit vector to b */
-    double radius;   /* sphere; capsule: at a; box: of its edges     */
-    double radius_b; /* capsule: at b                                */
-    double length;   /* capsule: of the axis; smooth union: k        */
-    sn_shape **part; /* n_part operands, retained; owned array       */
-    int n_part;
-};
-
-/* ---- distances ---- */
-
-/* Round cone in the half plane through its axis: y along it from a, x away from it. The cone's flank touches
- * both circles; its outward normal is (y, x) = (s, c). */
-static double capsule_value(const sn_shape *h, sn_vec3 p)
-{
-    sn_vec3 d = sn_v3_sub(p, h->center);
-    double y = sn_v3_dot(d, h->size), x = sn_v3_len(sn_v3_mad(d, -y, h->size));
-    double s = (h->radius - h->radius_b) / h->length, c = sqrt(1.0 - s * s);
-    double along = y * c - x * s; /* on the flank, from where it touches a's circle */
-    if (along <= 0.0) return hypot(x, y) - h->radius;
-    if (along >= h->length * c) return hypot(x, y - h->length) - h->radius_b;
-    return s * y + c * x - h->radius;
-}
-
-static double box_value(const sn_shape *h, sn_vec3 p)
-{
-    sn_vec3 d = sn_v3_sub(p, h->center);
-    double x = fabs(d.x) - h->size.x + h->radius, y = fabs(d.y) - h->size.y + h->radius;
-    double z = fabs(d.z) - h->size.z + h->radius;
-    double out = sn_v3_len(sn_v3(fmax(x, 0.0), fmax(y, 0.0), fmax(z, 0.0)));
-    return out + fmin(fmax(x, fmax(y, z)), 0.0) - h->radius;
-}
-
-/* The closest point of the ellipsoid with radii e to y is e_i^2 y_i / (t + e_i^2), where t > -min e^2 solves
- * sum (e_i y_i / (t + e_i^2))^2 = 1. Written with s = t + min e^2 >= 0 and gap_i = e_i^2 - min e^2, so that
- * nothing cancels near the focal curves. */
-typedef struct ellipsoid_point {
-    double ey[3], gap[3];
-} ellipsoid_point;
-
-static double excess(const ellipsoid_point *q, double s, double *slope) /* the sum minus 1, falls with s */
-{
-    double sum = 0.0, d = 0.0;
-    for (int k = 0; k < 3; k++) {
-        if (q->ey[k] <= 0.0) continue;
-        double den = s + q->gap[k], g = q->ey[k] / den;
-        sum += g * g;
-        d -= 2.0 * g * g / den;
-    }
-    *slope = d;
-    return sum - 1.0;
-}
-
-/* The root of excess right of lo > 0, where it is positive. Geometric bisection first: Newton's steps, which
- * never overshoot here, only grow by a constant factor while s is far too small. */
-static double ellipsoid_root(const ellipsoid_point *q, double lo)
-{
-    double slope, hi = sqrt(q->ey[0] * q->ey[0] + q->ey[1] * q->ey[1] + q->ey[2] * q->ey[2]);
-    while (hi > 4.0 * lo) {
-        double mid = sqrt(lo) * sqrt(hi);
-        *(excess(q, mid, &slope) > 0.0 ? &lo : &hi) = mid;
-    }
-    for (int i = 0; i < 50; i++) {
-        double f = excess(q, lo, &slope), next = lo - f / slope;
-        if (!(next > lo)) break;
-        lo = next;
-    }
-    return lo;
-}
-
-static double ellipsoid_value(const sn_shape *h, sn_vec3 p)
-{
-    double unit =
-        fmax(h->size.x, fmax(h->size.y, h->size.z)); /* all below is in units of the largest radius */
-    sn_vec3 d = sn_v3_sub(p, h->center);
-    double e[3] = {h->size.x / unit, h->size.y / unit, h->size.z / unit};
-    double y[3] = {fabs(d.x) / unit, fabs(d.y) / unit, fabs(d.z) / unit};
-    double e_min = fmin(e[0], fmin(e[1], e[2])), s = 0.0, slope;
-    ellipsoid_point q;
-    for (int k = 0; k < 3; k++) {
-        q.ey[k] = e[k] * y[k];
-        q.gap[k] = (e[k] - e_min) * (e[k] + e_min);
-        s = fmax(s, q.ey[k] - q.gap[k]); /* one term alone makes 1: the root is not left of it */
-    }
-    s = fmax(s, 1e-15 * e_min * e_min);
-    bool regular = excess(&q, s, &slope) > 0.0;
-    s = regular ? ellipsoid_root(&q, s) : s;
-    double length2 = 0.0, rest = 1.0; /* of e_min times the step's direction */
-    for (int k = 0; k < 3; k++) {
-        double den = s + q.gap[k], g = den > 0.0 ? y[k] / den : 0.0;
-        length2 += e_min * g * e_min * g;
-        rest -= e[k] * g * e[k] * g;
-    }
-    if (!regular) length2 += fmax(rest, 0.0); /* p is at the middle of the thinnest radius: step along it */
-    return unit * (s - e_min * e_min) / e_min * sqrt(length2);
-}
-
-/* k > 0. A mean of the slopes of a and b, so no steeper than they are. */
-static double smooth_min(double a, double b, double k)
-{
-    double h = fmax(k - fabs(a - b), 0.0) / k;
-    return fmin(a, b) - 0.25 * k * h * h;
-}
-
-double sn_shape_value(const sn_shape *s, sn_vec3 p)
-{
-    double v;
-    switch (s->kind) {
-    case SPHERE:
-        return sn_v3_dist(p, s->center) - s->radius;
-    case ELLIPSOID:
-        return ellipsoid_value(s, p);
-    case CAPSULE:
-        return capsule_value(s, p);
-    case BOX:
-        return box_value(s, p);
-    case UNION:
-        v = sn_shape_value(s->part[0], p);
-        for (int i = 1; i < s->n_part; i++) v = fmin(v, sn_shape_value(s->part[i], p));
-        return v;
-    case SMOOTH_UNION:
-        v = sn_shape_value(s->part[0], p);
-        for (int i = 1; i < s->n_part; i++) v = smooth_min(v, sn_shape_value(s->part[i], p), s->length);
-        return v;
-    case SUBTRACT:
-        return fmax(sn_shape_value(s->part[0], p), -sn_shape_value(s->part[1], p));
-    }
-    return NAN; /* not reached */
-}
 
 sn_box3 sn_shape_bounds(const sn_shape *s)
 {
@@ -179,6 +41,14 @@ static sn_status check_sizes(sn_vec3 v, const char *shape, const char *const nam
     return st;
 }
 
+static sn_status check_direction(sn_vec3 v, const char *shape, const char *name, sn_error *err)
+{
+    sn_status st = check_point(v, shape, name, err);
+    if (!st && !(sn_v3_len(v) >= MIN_SIZE))
+        st = sn_fail(err, SN_EINVAL, "%s: %s is (%g, %g, %g), need a direction", shape, name, v.x, v.y, v.z);
+    return st;
+}
+
 static sn_status check_parts(sn_shape *const *s, int n, const char *shape, int *depth, sn_error *err)
 {
     if (n < 1) return sn_fail(err, SN_EINVAL, "%s: %d shapes, need at least 1", shape, n);
@@ -194,7 +64,7 @@ static sn_status check_parts(sn_shape *const *s, int n, const char *shape, int *
 
 /* ---- making and releasing ---- */
 
-static sn_status make(sn_shape **out, shape_kind kind, const char *name, sn_error *err)
+static sn_status make(sn_shape **out, sn_shape_kind kind, const char *name, sn_error *err)
 {
     sn_shape *s = SN_NEW_ZERO(sn_shape, 1);
     if (!s) return sn_fail(err, SN_ENOMEM, "%s: no memory", name);
@@ -205,7 +75,7 @@ static sn_status make(sn_shape **out, shape_kind kind, const char *name, sn_erro
     return SN_OK;
 }
 
-static sn_status make_of_parts(sn_shape **out, shape_kind kind, const char *name, sn_shape *const *part,
+static sn_status make_of_parts(sn_shape **out, sn_shape_kind kind, const char *name, sn_shape *const *part,
                                int n, sn_error *err)
 {
     int depth = 0;
@@ -253,7 +123,7 @@ sn_status sn_shape_sphere(sn_shape **out, sn_vec3 center, double radius, sn_erro
     *out = NULL;
     sn_status st = check_point(center, "sphere", "center", err);
     if (!st) st = check_size(radius, "sphere", "radius", err);
-    if (!st) st = make(out, SPHERE, "sphere", err);
+    if (!st) st = make(out, SN_SHAPE_SPHERE, "sphere", err);
     if (st) return st;
     (*out)->center = center;
     (*out)->radius = radius;
@@ -267,7 +137,7 @@ sn_status sn_shape_ellipsoid(sn_shape **out, sn_vec3 center, sn_vec3 radii, sn_e
     *out = NULL;
     sn_status st = check_point(center, "ellipsoid", "center", err);
     if (!st) st = check_sizes(radii, "ellipsoid", name, err);
-    if (!st) st = make(out, ELLIPSOID, "ellipsoid", err);
+    if (!st) st = make(out, SN_SHAPE_ELLIPSOID, "ellipsoid", err);
     if (st) return st;
     (*out)->center = center;
     (*out)->size = radii;
@@ -285,7 +155,7 @@ sn_status sn_shape_capsule(sn_shape **out, sn_vec3 a, sn_vec3 b, double ra, doub
     if (st) return st;
     double length = sn_v3_dist(a, b);
     if (!(length > fabs(ra - rb))) return sn_shape_sphere(out, ra >= rb ? a : b, fmax(ra, rb), err);
-    st = make(out, CAPSULE, "capsule", err);
+    st = make(out, SN_SHAPE_CAPSULE, "capsule", err);
     if (st) return st;
     (*out)->center = a;
     (*out)->size = sn_v3_unit(sn_v3_sub(b, a));
@@ -307,7 +177,7 @@ sn_status sn_shape_box(sn_shape **out, sn_vec3 center, sn_vec3 half, double roun
     if (!(rounding >= 0.0 && rounding <= most))
         return sn_fail(err, SN_EINVAL, "box: rounding is %g, need 0 to the smallest half size %g", rounding,
                        most);
-    st = make(out, BOX, "box", err);
+    st = make(out, SN_SHAPE_BOX, "box", err);
     if (st) return st;
     (*out)->center = center;
     (*out)->size = half;
@@ -319,14 +189,14 @@ sn_status sn_shape_box(sn_shape **out, sn_vec3 center, sn_vec3 half, double roun
 sn_status sn_shape_union(sn_shape **out, sn_shape *const *s, int n, sn_error *err)
 {
     *out = NULL;
-    return make_of_parts(out, UNION, "union", s, n, err);
+    return make_of_parts(out, SN_SHAPE_UNION, "union", s, n, err);
 }
 
 sn_status sn_shape_smooth_union(sn_shape **out, double k, sn_shape *const *s, int n, sn_error *err)
 {
     *out = NULL;
     sn_status st = check_size(k, "smooth_union", "k", err);
-    if (!st) st = make_of_parts(out, SMOOTH_UNION, "smooth_union", s, n, err);
+    if (!st) st = make_of_parts(out, SN_SHAPE_SMOOTH_UNION, "smooth_union", s, n, err);
     if (st) return st;
     double swell = 0.0; /* in k: by how much n equal values blend below themselves; below 1 for any n */
     for (int i = 1; i < n; i++) swell += 0.25 * (1.0 - swell) * (1.0 - swell);
@@ -341,9 +211,142 @@ sn_status sn_shape_subtract(sn_shape **out, sn_shape *a, sn_shape *b, sn_error *
 {
     sn_shape *part[2] = {a, b};
     *out = NULL;
-    sn_status st = make_of_parts(out, SUBTRACT, "subtract", part, 2, err);
+    sn_status st = make_of_parts(out, SN_SHAPE_SUBTRACT, "subtract", part, 2, err);
     if (!st) (*out)->bounds = a->bounds;
     return st;
+}
+
+sn_status sn_shape_intersect(sn_shape **out, sn_shape *const *s, int n, sn_error *err)
+{
+    *out = NULL;
+    sn_status st = make_of_parts(out, SN_SHAPE_INTERSECT, "intersect", s, n, err);
+    if (st) return st;
+    int best = 0;
+    for (int i = 1; i < n; i++)
+        if (sn_box3_diagonal(s[i]->bounds) < sn_box3_diagonal(s[best]->bounds)) best = i;
+    (*out)->bounds = s[best]->bounds;
+    return SN_OK;
+}
+
+sn_status sn_shape_smooth_subtract(sn_shape **out, double k, sn_shape *a, sn_shape *b, sn_error *err)
+{
+    sn_shape *part[2] = {a, b};
+    *out = NULL;
+    sn_status st = check_size(k, "smooth_subtract", "k", err);
+    if (!st) st = make_of_parts(out, SN_SHAPE_SMOOTH_SUBTRACT, "smooth_subtract", part, 2, err);
+    if (st) return st;
+    (*out)->bounds = a->bounds;
+    (*out)->length = k;
+    return SN_OK;
+}
+
+sn_status sn_shape_torus(sn_shape **out, sn_vec3 center, sn_vec3 axis, double ring, double tube,
+                         sn_error *err)
+{
+    *out = NULL;
+    sn_status st = check_point(center, "torus", "center", err);
+    if (!st) st = check_direction(axis, "torus", "axis", err);
+    if (!st) st = check_size(ring, "torus", "radius of the ring", err);
+    if (!st) st = check_size(tube, "torus", "radius of the tube", err);
+    if (!st) st = make(out, SN_SHAPE_TORUS, "torus", err);
+    if (st) return st;
+    sn_vec3 n = sn_v3_unit(axis);
+    sn_vec3 half = sn_v3(hypot(n.y, n.z), hypot(n.x, n.z), hypot(n.x, n.y));
+    (*out)->center = center;
+    (*out)->size = n;
+    (*out)->radius = ring;
+    (*out)->radius_b = tube;
+    (*out)->bounds = box_around(center, sn_v3_add(sn_v3_scale(ring, half), sn_v3(tube, tube, tube)));
+    return SN_OK;
+}
+
+sn_status sn_shape_plate(sn_shape **out, sn_vec3 a, sn_vec3 b, sn_vec3 c, double radius, sn_error *err)
+{
+    *out = NULL;
+    sn_status st = check_point(a, "plate", "corner a", err);
+    if (!st) st = check_point(b, "plate", "corner b", err);
+    if (!st) st = check_point(c, "plate", "corner c", err);
+    if (!st) st = check_size(radius, "plate", "radius", err);
+    if (st) return st;
+    sn_vec3 ab = sn_v3_sub(b, a), ac = sn_v3_sub(c, a);
+    double high = sn_v3_len(sn_v3_cross(ab, ac)), longest = fmax(sn_v3_len2(ab), sn_v3_len2(ac));
+    if (!(high > 1e-9 * longest))
+        return sn_fail(err, SN_EINVAL, "plate: its corners lie on a line, need a triangle");
+    st = make(out, SN_SHAPE_PLATE, "plate", err);
+    if (st) return st;
+    sn_vec3 r = sn_v3(radius, radius, radius);
+    (*out)->center = a;
+    (*out)->size = ab;
+    (*out)->size_c = ac;
+    (*out)->radius = radius;
+    (*out)->bounds = sn_box3_merge(box_around(a, r), sn_box3_merge(box_around(b, r), box_around(c, r)));
+    return SN_OK;
+}
+
+/* ---- moved shapes ---- */
+
+static void set_rotation(double r[9], sn_vec3 axis, double degrees)
+{
+    sn_vec3 n = sn_v3_unit(axis);
+    double a = degrees * (acos(-1.0) / 180.0), c = cos(a), s = sin(a), f = 1.0 - c;
+    double m[9] = {c + f * n.x * n.x,       f * n.x * n.y - s * n.z, f * n.x * n.z + s * n.y,
+                   f * n.x * n.y + s * n.z, c + f * n.y * n.y,       f * n.y * n.z - s * n.x,
+                   f * n.x * n.z - s * n.y, f * n.y * n.z + s * n.x, c + f * n.z * n.z};
+    for (int i = 0; i < 9; i++) r[i] = m[i];
+}
+
+/* Where shape h takes the point q of its operand. */
+static sn_vec3 placed(const sn_shape *h, sn_vec3 q)
+{
+    const double *r = h->turn;
+    if (h->kind == SN_SHAPE_MIRROR)
+        return sn_v3_mad(q, -2.0 * sn_v3_dot(sn_v3_sub(q, h->center), h->size), h->size);
+    sn_vec3 d = sn_v3(q.x * h->size.x, q.y * h->size.y, q.z * h->size.z);
+    return sn_v3_add(h->center,
+                     sn_v3(r[0] * d.x + r[1] * d.y + r[2] * d.z, r[3] * d.x + r[4] * d.y + r[5] * d.z,
+                           r[6] * d.x + r[7] * d.y + r[8] * d.z));
+}
+
+static void set_placed_bounds(sn_shape *h)
+{
+    sn_box3 b = h->part[0]->bounds;
+    h->bounds = sn_box3_empty();
+    for (int k = 0; k < 8; k++) {
+        sn_vec3 q = sn_v3(k & 1 ? b.max.x : b.min.x, k & 2 ? b.max.y : b.min.y, k & 4 ? b.max.z : b.min.z);
+        h->bounds = sn_box3_add(h->bounds, placed(h, q));
+    }
+}
+
+sn_status sn_shape_transform(sn_shape **out, sn_shape *s, const sn_shape_placement *t, sn_error *err)
+{
+    static const char *const name[3] = {"scale along x", "scale along y", "scale along z"};
+    *out = NULL;
+    sn_status st = check_sizes(t->scale, "transform", name, err);
+    if (!st) st = check_point(t->translate, "transform", "translate", err);
+    if (!st && t->angle_deg != 0.0) st = check_direction(t->axis, "transform", "axis", err);
+    if (!st && !isfinite(t->angle_deg))
+        st = sn_fail(err, SN_EINVAL, "transform: angle is %g, need a finite number", t->angle_deg);
+    if (!st) st = make_of_parts(out, SN_SHAPE_TRANSFORM, "transform", &s, 1, err);
+    if (st) return st;
+    (*out)->center = t->translate;
+    (*out)->size = t->scale;
+    (*out)->length = fmin(t->scale.x, fmin(t->scale.y, t->scale.z));
+    set_rotation((*out)->turn, t->axis, t->angle_deg);
+    set_placed_bounds(*out);
+    return SN_OK;
+}
+
+sn_status sn_shape_mirror(sn_shape **out, sn_shape *s, sn_vec3 point, sn_vec3 normal, sn_error *err)
+{
+    *out = NULL;
+    sn_status st = check_point(point, "mirror", "point", err);
+    if (!st) st = check_direction(normal, "mirror", "normal", err);
+    if (!st) st = make_of_parts(out, SN_SHAPE_MIRROR, "mirror", &s, 1, err);
+    if (st) return st;
+    (*out)->center = point;
+    (*out)->size = sn_v3_unit(normal);
+    set_placed_bounds(*out);
+    return SN_OK;
 }
 
 /* ---- mesh ---- */

@@ -1,9 +1,10 @@
 /* shape.h - implicit shapes for skins and bones made by a script, and their closed meshes.
  *
  * A shape is an immutable, reference-counted tree of signed distance functions (negative inside). Spheres,
- * ellipsoids, capsules and boxes give the exact distance; unions are exact outside, subtractions and smooth
- * unions give a lower bound of the distance. No value changes faster than the point moves. Lengths in the
- * scene's unit. Shapes may be shared between threads. */
+ * ellipsoids, capsules, boxes, plates and tori give the exact distance; unions are exact outside;
+ * subtractions, intersections, smooth combinations and uneven scales give a lower bound of the distance. No
+ * value changes faster than the point moves. Lengths in the scene's unit. Shapes may be shared between
+ * threads. */
 #ifndef SN_MESH_SHAPE_H
 #define SN_MESH_SHAPE_H
 
@@ -27,6 +28,13 @@ SN_MUST_USE sn_status sn_shape_capsule(sn_shape **out, sn_vec3 a, sn_vec3 b, dou
 /* half: half sizes; rounding: radius of the edges, >= 0 and at most the smallest half size. */
 SN_MUST_USE sn_status sn_shape_box(sn_shape **out, sn_vec3 center, sn_vec3 half, double rounding,
                                    sn_error *err);
+/* A ring around the axis through center. axis: any length > 0. tube: half the thickness of the ring; above
+ * ring the hole is closed. */
+SN_MUST_USE sn_status sn_shape_torus(sn_shape **out, sn_vec3 center, sn_vec3 axis, double ring, double tube,
+                                     sn_error *err);
+/* All points within radius of the triangle a, b, c, whose corners may not lie on a line. */
+SN_MUST_USE sn_status sn_shape_plate(sn_shape **out, sn_vec3 a, sn_vec3 b, sn_vec3 c, double radius,
+                                     sn_error *err);
 /* n >= 1. Many shapes are better given to one union than nested. */
 SN_MUST_USE sn_status sn_shape_union(sn_shape **out, sn_shape *const *s, int n, sn_error *err);
 /* k: blend length > 0 (polynomial smooth minimum: where two shapes meet the surface swells by at most k/4,
@@ -36,9 +44,27 @@ SN_MUST_USE sn_status sn_shape_smooth_union(sn_shape **out, double k, sn_shape *
                                             sn_error *err);
 /* a minus b. */
 SN_MUST_USE sn_status sn_shape_subtract(sn_shape **out, sn_shape *a, sn_shape *b, sn_error *err);
+/* a minus b with a rounded rim: there the surface sinks by at most k/4. */
+SN_MUST_USE sn_status sn_shape_smooth_subtract(sn_shape **out, double k, sn_shape *a, sn_shape *b,
+                                               sn_error *err);
+/* What lies in all of them, n >= 1. */
+SN_MUST_USE sn_status sn_shape_intersect(sn_shape **out, sn_shape *const *s, int n, sn_error *err);
+
+typedef struct sn_shape_placement {
+    sn_vec3 scale; /* along x, y, z, each > 0 */
+    sn_vec3 axis;  /* any length > 0; not looked at when the angle is 0 */
+    double angle_deg;
+    sn_vec3 translate;
+} sn_shape_placement;
+/* s scaled, then turned about the origin, then moved. */
+SN_MUST_USE sn_status sn_shape_transform(sn_shape **out, sn_shape *s, const sn_shape_placement *t,
+                                         sn_error *err);
+/* s reflected in the plane through point. normal: any length > 0. */
+SN_MUST_USE sn_status sn_shape_mirror(sn_shape **out, sn_shape *s, sn_vec3 point, sn_vec3 normal,
+                                      sn_error *err);
 
 double sn_shape_value(const sn_shape *s, sn_vec3 p);
-/* Holds the surface; not the tightest box after smooth unions and subtractions. */
+/* Holds the surface; not the tightest box after anything but a union. */
 sn_box3 sn_shape_bounds(const sn_shape *s);
 
 /* A closed, manifold, oriented surface without self-intersections, triangles of edge length about `cell`:

@@ -1,9 +1,9 @@
 #include "muscle/collocation.h"
 
 #include "base/alloc.h"
+#include "tetra/trace.h"
 
 #include <stdio.h>
-
 #include <string.h>
 
 void sn_collocation_free(sn_collocation *c)

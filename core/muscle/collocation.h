@@ -4,6 +4,8 @@
 
 #include "base/notes.h"
 #include "muscle/muscle.h"
+#include "tetra/body.h"
+#include "tetra/locate.h"
 
 typedef struct sn_collocation { /* rows of B and d for one muscle, head after head                      */
     int32_t *tet;               /* n_row: the tet that the row's curve piece crosses; owned             */

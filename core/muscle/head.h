@@ -4,7 +4,7 @@
 #ifndef SN_MUSCLE_HEAD_H
 #define SN_MUSCLE_HEAD_H
 
-#include "muscle/spline.h"
+#include "mesh/spline.h"
 
 typedef struct sn_head { /* open: read freely, change through the functions below */
     double *point;       /* n_point x 3, owned                   */

@@ -84,15 +84,21 @@ static void build_path(sn_path *p, const sn_spline *s, sn_vec3 axis, double angl
     build_groups(p);
 }
 
-sn_status sn_paths_build(sn_paths *p, const sn_muscle *m, sn_error *err)
+sn_vec3 sn_muscle_frame_axis(const sn_muscle *m)
 {
     const sn_anisotropy *a = &m->anisotropy;
-    sn_vec3 axis = a->has_axis ? a->axis : least_axis(sn_spline_tangent(&m->head[0].spline, 0.0));
+    return a->has_axis ? a->axis : least_axis(sn_spline_tangent(&m->head[0].spline, 0.0));
+}
+
+sn_status sn_paths_build(sn_paths *p, const sn_muscle *m, sn_error *err)
+{
+    sn_vec3 axis = sn_muscle_frame_axis(m);
     sn_paths_free(p);
     p->head = SN_NEW(sn_path, m->n_head);
     if (!p->head) return sn_fail(err, SN_ENOMEM, "muscle '%s': no memory", m->name);
     p->n_head = m->n_head;
-    for (int32_t i = 0; i < m->n_head; i++) build_path(&p->head[i], &m->head[i].spline, axis, a->angle_deg);
+    for (int32_t i = 0; i < m->n_head; i++)
+        build_path(&p->head[i], &m->head[i].spline, axis, m->anisotropy.angle_deg);
     return SN_OK;
 }
 

@@ -45,5 +45,7 @@ sn_curve_place sn_paths_place(const sn_paths *p, sn_vec3 point);
 
 /* The unit vector across t (a unit vector) that is nearest to axis; false when axis runs along t. */
 bool sn_normal_towards(sn_vec3 t, sn_vec3 axis, sn_vec3 *out);
+/* The axis that e2 of all heads starts towards: the one set, or the one chosen. */
+sn_vec3 sn_muscle_frame_axis(const sn_muscle *m);
 
 #endif

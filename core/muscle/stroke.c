@@ -1,7 +1,7 @@
 #include "muscle/stroke.h"
 
 #include "base/alloc.h"
-#include "muscle/spline_fit.h"
+#include "mesh/spline_fit.h"
 #include "muscle/stroke_private.h"
 
 #include <string.h>

@@ -10,6 +10,7 @@
 #ifndef SN_SCENE_SCENE_H
 #define SN_SCENE_SCENE_H
 
+#include "base/names.h"
 #include "base/notes.h"
 #include "extract/extraction.h"
 #include "extract/part_fibers.h"
@@ -166,8 +167,5 @@ typedef struct sn_scene_report {
 /* Solves and extracts first. r: zero-initialised. */
 SN_MUST_USE sn_status sn_scene_report_make(sn_scene *s, const sn_run *run, sn_scene_report *r, sn_error *err);
 void sn_scene_report_free(sn_scene_report *r);
-
-/* The candidate nearest to word by edit distance, NULL when none is near. */
-const char *sn_nearest_name(const char *word, const char *const *name, size_t n);
 
 #endif

@@ -2,13 +2,10 @@
 #ifndef SN_SCENE_PRIVATE_H
 #define SN_SCENE_PRIVATE_H
 
+#include "base/names.h"
 #include "field/harmonic.h"
 #include "muscle/path.h"
 #include "scene/scene.h"
-
-SN_MUST_USE sn_status sn_check_name(const char *kind, const char *name, sn_error *err);
-SN_MUST_USE sn_status sn_find_name(const char *kind, const char *word, const char *const *name, int32_t n,
-                                   int32_t *index, sn_error *err);
 
 typedef struct scene_bone {
     char *name;

@@ -1,7 +1,7 @@
 #include "scene/scene_stroke.h"
 
 #include "base/alloc.h"
-#include "muscle/spline_fit.h"
+#include "mesh/spline_fit.h"
 #include "scene/scene_private.h"
 
 #define TELL 0.01 /* share of a curve in bone or outside of the skin that is worth a note */

@@ -8,7 +8,13 @@
 
 #include "base/child.h"
 
-typedef enum sn_mesher_job { SN_MESHER_TETGEN = 1, SN_MESHER_COREFINE = 2 } sn_mesher_job;
+/* The repair of a surface (core/mesh/repair_child.c) starts the program by itself; its job begins with its
+ * number. */
+typedef enum sn_mesher_job {
+    SN_MESHER_TETGEN = 1,
+    SN_MESHER_COREFINE = 2,
+    SN_MESHER_REPAIR = 3 /* SN_REPAIR_JOB */
+} sn_mesher_job;
 
 /* Called in a child (base/child.h): goes on as sinew-mesher with this job. The program is looked for beside
  * the running one, then where the library was built. Returns when it is not there: the caller then does the

@@ -2,16 +2,9 @@
 #ifndef SN_TETRA_TRACE_H
 #define SN_TETRA_TRACE_H
 
+#include "mesh/cubic.h"
 #include "tetra/body.h"
 #include "tetra/locate.h"
-
-typedef struct sn_cubic { /* c[0] + c[1] s + c[2] s^2 + c[3] s^3, s in 0..1 */
-    sn_vec3 c[4];
-} sn_cubic;
-
-sn_vec3 sn_cubic_point(const sn_cubic *c, double s);
-sn_vec3 sn_cubic_tangent(const sn_cubic *c, double s); /* derivative by s, not normalised */
-double sn_cubic_length(const sn_cubic *c, double s0, double s1);
 
 typedef struct sn_trace_piece { /* one stay of the curve in one tet */
     int32_t tet;

@@ -14,6 +14,7 @@
 #include "base/status.h"
 #include "base/vec3.h"
 #include "extract/extraction.h"
+#include "mesh/mesh_check.h"
 #include "mesh/shape.h"
 #include "mesh/tri_mesh.h"
 #include "render/camera.h"
@@ -143,6 +144,8 @@ void lsn_account(lua_State *L, size_t bytes);
 
 sn_tri_mesh *lsn_push_surface(lua_State *L); /* pushes an empty surface and returns it to be filled */
 const sn_tri_mesh *lsn_check_surface(lua_State *L, int arg);
+void lsn_push_check(lua_State *L, const sn_mesh_check *check); /* what surface:check() returns */
+int lsn_surface_repair(lua_State *L);                          /* a method of surfaces, in lsn_repair.c */
 sn_shape *lsn_check_shape(lua_State *L, int arg);
 sn_image *lsn_push_image(lua_State *L);
 const sn_image *lsn_check_image(lua_State *L, int arg);

@@ -3,6 +3,7 @@
 #include "lsn.h"
 
 #include "base/alloc.h"
+#include "extract/extraction_mirror.h"
 
 #include <string.h>
 
@@ -229,6 +230,21 @@ static int extraction_save(lua_State *L) /* x:save(path) -> true | nil, message 
     return lsn_saved(L, sn_extraction_save(x, input, path, &lsn_get_state(L)->run, &err), &err);
 }
 
+static int extraction_mirror(lua_State *L) /* x:mirror{point=, normal=} -> extraction */
+{
+    static const char *const keys[] = {"point", "normal", NULL};
+    const sn_extraction *x = check_extraction(L, 1);
+    sn_error err;
+    lsn_check_keys(L, 2, keys);
+    sn_vec3 point = lsn_opt_point(L, 2, "point", sn_v3(0.0, 0.0, 0.0), true);
+    sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
+    (void)lua_getiuservalue(L, 1, 1);
+    sn_extraction *out = lsn_push_extraction(L, -1);
+    if (sn_extraction_mirror(x, point, normal, &lsn_get_state(L)->run, out, &err)) return lsn_raise(L, &err);
+    account(L, out);
+    return 1;
+}
+
 /* ---- part: a tissue id, with the extraction as user value ---- */
 
 typedef struct part {
@@ -346,6 +362,7 @@ void lsn_open_extraction(lua_State *L)
                                        {"vertex_count", extraction_vertex_count},
                                        {"check", extraction_check},
                                        {"save", extraction_save},
+                                       {"mirror", extraction_mirror},
                                        {"fiber_lines", lsn_extraction_fiber_lines},
                                        {"close", extraction_gc},
                                        {NULL, NULL}};

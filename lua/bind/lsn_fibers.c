@@ -116,7 +116,7 @@ int lsn_part_fibers(lua_State *L) /* part:fibers{...} -> list of {point=, direct
     b->is_tendon = SN_NEW(bool, n);
     if (!b->centre || !b->direction || !b->u || !b->is_tendon)
         return lsn_fail(L, SN_ENOMEM, "fibers: no memory for %d tets", n);
-    if (sn_fibers_check_run(&b->fibers.fibers, &check, &err)) return lsn_raise(L, &err);
+    if (sn_part_fibers_check(&b->fibers, x, &check, &err)) return lsn_raise(L, &err);
     sn_part_fibers_sample(&b->fibers, x, &lsn_get_state(L)->run, b->centre, b->direction, b->u, b->is_tendon);
     lua_createtable(L, n, 0);
     for (int32_t i = 0; i < n; i++) {

@@ -44,6 +44,18 @@ static const help surfaces[] = {
                       "degenerate_faces=, duplicate_vertices=, duplicate_faces=, unused_vertices=, "
                       "self_intersections=, first_pair=}  what "
                       "is right and wrong with it"},
+    {"surface:repair",
+     "s:repair{weld=, fill_holes=, self_intersections=true, components=\"all\", wrap=\"auto\", tolerance=, "
+     "alpha=, offset=, time_limit=} -> surface, report  a closed, manifold, outward surface without "
+     "self-intersections; s stays as it is. Joins vertices nearer than weld, drops degenerate and duplicate "
+     "faces, orients, fills holes up to fill_holes across, removes components inside others (\"largest\" keeps "
+     "one only), cuts crossings out and unites components that cross. Where that does not do (wrap: \"auto\", "
+     "\"always\", \"never\") a new surface is wrapped around all, not farther away than tolerance; it enters "
+     "gaps wider than 2 alpha. Defaults by the diagonal of the bounds: weld 1e-6, fill_holes 0.25, tolerance "
+     "0.003 (more where the wrap would have over 400,000 faces). report: {steps={{name=, moved=, counts ...}, "
+     "...}, wrapped=, moved=, missed=, check=}: moved is "
+     "the largest distance of the result from s, missed that of what is seen of s from outside from the "
+     "result"},
     {"surface:transform",
      "s:transform{scale=1, rotate={axis=, degrees=}, translate=} -> s  changes s itself: scales, then "
      "turns about the origin, then moves"},
@@ -70,6 +82,19 @@ static const help shapes[] = {
     {"sinew.shape.smooth_union",
      "sinew.shape.smooth_union(k, a, b, ...) -> shape  all of them, blended over a length k"},
     {"sinew.shape.subtract", "sinew.shape.subtract(a, b) -> shape  a without b"},
+    {"sinew.shape.smooth_subtract",
+     "sinew.shape.smooth_subtract(k, a, b) -> shape  a without b, the rim rounded over a length k"},
+    {"sinew.shape.intersect",
+     "sinew.shape.intersect(a, b, ...) -> shape  what lies in all of them; a list will do"},
+    {"sinew.shape.torus", "sinew.shape.torus(center, axis, ring, tube) -> shape  a ring of that radius "
+                          "around the axis, tube its half "
+                          "thickness"},
+    {"sinew.shape.plate",
+     "sinew.shape.plate(a, b, c, radius) -> shape  all within radius of the triangle a, b, c"},
+    {"shape:transform", "shape:transform{scale=1, rotate={axis=, degrees=}, translate=} -> shape  another "
+                        "one: scaled (a number or "
+                        "{x, y, z}), then turned about the origin, then moved"},
+    {"shape:mirror", "shape:mirror{point={0, 0, 0}, normal=} -> shape  another one, reflected in a plane"},
     {"shape:mesh", "shape:mesh{cell=} -> surface  closed, with triangles of edge length cell"},
     {"shape:value", "shape:value(p) -> number  signed distance or a bound of it, negative inside"},
     {"shape:bounds", "shape:bounds() -> {min=, max=}  a box that holds it"},

@@ -117,6 +117,79 @@ static int shape_subtract(lua_State *L) /* subtract(a, b): a without b */
     return made(L, sn_shape_subtract(push_shape(L), a, b, &err), &err);
 }
 
+static int shape_smooth_subtract(lua_State *L) /* smooth_subtract(k, a, b) */
+{
+    double k = lsn_check_finite(L, 1);
+    sn_shape *a = lsn_check_shape(L, 2), *b = lsn_check_shape(L, 3);
+    sn_error err;
+    return made(L, sn_shape_smooth_subtract(push_shape(L), k, a, b, &err), &err);
+}
+
+static int shape_intersect(lua_State *L) /* intersect(a, b, ...) or intersect{a, b, ...} */
+{
+    int n;
+    sn_shape *const *s = check_shapes(L, 1, &n);
+    sn_error err;
+    return made(L, sn_shape_intersect(push_shape(L), s, n, &err), &err);
+}
+
+static int shape_torus(lua_State *L) /* torus(center, axis, ring, tube) */
+{
+    sn_vec3 center = lsn_check_point(L, 1, "center"), axis = lsn_check_point(L, 2, "axis");
+    double ring = lsn_check_finite(L, 3), tube = lsn_check_finite(L, 4);
+    sn_error err;
+    return made(L, sn_shape_torus(push_shape(L), center, axis, ring, tube, &err), &err);
+}
+
+static int shape_plate(lua_State *L) /* plate(a, b, c, radius) */
+{
+    sn_vec3 a = lsn_check_point(L, 1, "a"), b = lsn_check_point(L, 2, "b"), c = lsn_check_point(L, 3, "c");
+    double radius = lsn_check_finite(L, 4);
+    sn_error err;
+    return made(L, sn_shape_plate(push_shape(L), a, b, c, radius, &err), &err);
+}
+
+/* Option scale: a number or one for each axis. */
+static sn_vec3 opt_scale(lua_State *L, int arg)
+{
+    bool each = lua_istable(L, arg) && lua_getfield(L, arg, "scale") == LUA_TTABLE;
+    lua_settop(L, arg);
+    if (each) return lsn_opt_point(L, arg, "scale", sn_v3(1.0, 1.0, 1.0), true);
+    double s = lsn_opt_positive(L, arg, "scale", 1.0);
+    return sn_v3(s, s, s);
+}
+
+static int shape_transform(lua_State *L) /* s:transform{scale=, rotate={axis=, degrees=}, translate=} */
+{
+    static const char *const keys[] = {"scale", "rotate", "translate", NULL};
+    static const char *const turn[] = {"axis", "degrees", NULL};
+    sn_shape *s = lsn_check_shape(L, 1);
+    lsn_check_keys(L, 2, keys);
+    sn_shape_placement t = {.scale = opt_scale(L, 2)};
+    t.translate = lsn_opt_point(L, 2, "translate", t.translate, false);
+    if (lsn_enter(L, 2, "rotate")) {
+        lsn_check_keys(L, 2, turn);
+        t.axis = lsn_opt_point(L, 2, "axis", t.axis, true);
+        if (!(sn_v3_len2(t.axis) > 0.0)) return lsn_option_error(L, 2, "axis", "has no length");
+        if (!lsn_has(L, 2, "degrees")) return lsn_option_error(L, 2, NULL, "option 'degrees' is missing");
+        t.angle_deg = lsn_opt_number(L, 2, "degrees", 0.0);
+        lsn_leave(L, 2);
+    }
+    sn_error err;
+    return made(L, sn_shape_transform(push_shape(L), s, &t, &err), &err);
+}
+
+static int shape_mirror(lua_State *L) /* s:mirror{point=, normal=} */
+{
+    static const char *const keys[] = {"point", "normal", NULL};
+    sn_shape *s = lsn_check_shape(L, 1);
+    lsn_check_keys(L, 2, keys);
+    sn_vec3 point = lsn_opt_point(L, 2, "point", sn_v3(0.0, 0.0, 0.0), false);
+    sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
+    sn_error err;
+    return made(L, sn_shape_mirror(push_shape(L), s, point, normal, &err), &err);
+}
+
 static int shape_value(lua_State *L)
 {
     const sn_shape *s = lsn_check_shape(L, 1);
@@ -152,12 +225,17 @@ void lsn_open_shape(lua_State *L)
     static const luaL_Reg methods[] = {{"mesh", shape_mesh},
                                        {"value", shape_value},
                                        {"bounds", shape_bounds},
+                                       {"transform", shape_transform},
+                                       {"mirror", shape_mirror},
                                        {"close", shape_gc},
                                        {NULL, NULL}};
-    static const luaL_Reg functions[] = {{"sphere", shape_sphere},     {"ellipsoid", shape_ellipsoid},
-                                         {"capsule", shape_capsule},   {"box", shape_box},
-                                         {"union", shape_union},       {"smooth_union", shape_smooth_union},
-                                         {"subtract", shape_subtract}, {NULL, NULL}};
+    static const luaL_Reg functions[] = {
+        {"sphere", shape_sphere},       {"ellipsoid", shape_ellipsoid},
+        {"capsule", shape_capsule},     {"box", shape_box},
+        {"union", shape_union},         {"smooth_union", shape_smooth_union},
+        {"subtract", shape_subtract},   {"smooth_subtract", shape_smooth_subtract},
+        {"intersect", shape_intersect}, {"torus", shape_torus},
+        {"plate", shape_plate},         {NULL, NULL}};
     lsn_new_type(L, LSN_SHAPE, meta, methods);
     luaL_newlib(L, functions);
     lua_setfield(L, -2, "shape");

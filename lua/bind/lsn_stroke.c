@@ -1,7 +1,7 @@
 /* lsn_stroke.c - muscles drawn as strokes in a picture. */
 #include "lsn.h"
 
-#include "muscle/spline_fit.h"
+#include "mesh/spline_fit.h"
 #include "scene/scene_stroke.h"
 
 #include <string.h>

@@ -5,6 +5,7 @@
 #include "mesh/bvh.h"
 #include "mesh/mesh_check.h"
 #include "mesh/surface_io.h"
+#include "mesh/tri_cut.h"
 
 typedef struct surface {
     sn_tri_mesh mesh;
@@ -184,12 +185,9 @@ static int surface_volume(lua_State *L)
     return 1;
 }
 
-static int surface_check(lua_State *L)
+void lsn_push_check(lua_State *L, const sn_mesh_check *check)
 {
-    sn_mesh_check c;
-    sn_error err;
-    if (sn_mesh_check_run(&c, lsn_check_surface(L, 1), &lsn_get_state(L)->run, &err))
-        return lsn_raise(L, &err);
+    const sn_mesh_check c = *check;
     lua_createtable(L, 0, 13);
     lsn_set_bool(L, "closed", c.closed);
     lsn_set_bool(L, "manifold", c.manifold);
@@ -211,6 +209,15 @@ static int surface_check(lua_State *L)
         }
         lua_setfield(L, -2, "first_pair");
     }
+}
+
+static int surface_check(lua_State *L)
+{
+    sn_mesh_check c;
+    sn_error err;
+    if (sn_mesh_check_run(&c, lsn_check_surface(L, 1), &lsn_get_state(L)->run, &err))
+        return lsn_raise(L, &err);
+    lsn_push_check(L, &c);
     return 1;
 }
 
@@ -273,6 +280,23 @@ static int surface_mirror(lua_State *L) /* s:mirror{point=, normal=} -> s */
     sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
     sn_tri_mesh *m = push_copy(L, s);
     return adopt(L, s, sn_tri_mesh_mirror(m, point, normal, &err), &err);
+}
+
+/* ---- a part of it ---- */
+
+static int surface_cut(lua_State *L) /* s:cut{point=, normal=} -> surface */
+{
+    static const char *const keys[] = {"point", "normal", NULL};
+    const sn_tri_mesh *m = lsn_check_surface(L, 1);
+    sn_error err;
+    lsn_check_keys(L, 2, keys);
+    sn_vec3 point = lsn_opt_point(L, 2, "point", sn_v3(0.0, 0.0, 0.0), false);
+    sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
+    sn_tri_mesh *out = lsn_push_surface(L);
+    if (sn_tri_mesh_cut(m, point, normal, 0, &lsn_get_state(L)->run, out, NULL, &err))
+        return lsn_raise(L, &err);
+    lsn_account(L, mesh_bytes(out));
+    return 1;
 }
 
 /* ---- queries ---- */
@@ -351,8 +375,10 @@ void lsn_open_surface(lua_State *L)
                                        {"area", surface_area},
                                        {"volume", surface_volume},
                                        {"check", surface_check},
+                                       {"repair", lsn_surface_repair},
                                        {"transform", surface_transform},
                                        {"mirror", surface_mirror},
+                                       {"cut", surface_cut},
                                        {"raycast", surface_raycast},
                                        {"closest", surface_closest},
                                        {"contains", surface_contains},

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "base/dense.h"
 #include "field/cholesky.h"
 #include "field/harmonic.h"
 #include "field/tissue.h"

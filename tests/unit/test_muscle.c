@@ -6,6 +6,7 @@
 #include <cmocka.h>
 
 #include "muscle/collocation.h"
+#include "tetra/trace.h"
 #include "muscle/muscle.h"
 
 #include "made_mesh.h"

@@ -241,6 +241,61 @@ static void ellipsoid_distance_along_normals(void **state)
     }
 }
 
+/* Ring of radius 3 around y through (1, 0, 0), tube 1. */
+static void torus_distance(void **state)
+{
+    (void)state;
+    sn_shape *s;
+    sn_error err;
+    ok(sn_shape_torus(&s, sn_v3(1, 0, 0), sn_v3(0, 5, 0), 3, 1, &err), &err);
+    value_is(s, 1, 0, 0, 2.0);
+    value_is(s, 4, 0, 0, -1.0);
+    value_is(s, 8, 4, 0, sqrt(32.0) - 1.0);
+    value_is(s, 1, 4, 0, 4.0); /* 3, 4, 5 from the ring */
+    value_is(s, 1, -1, -3, 0.0);
+    sn_box3 b = sn_shape_bounds(s);
+    near_to(b.max.x, 5.0, 1e-12);
+    near_to(b.max.y, 1.0, 1e-12);
+    near_to(b.min.z, -4.0, 1e-12);
+    sn_shape_release(s);
+}
+
+static sn_shape *plate(sn_vec3 a, sn_vec3 b, sn_vec3 c, double r)
+{
+    sn_shape *s;
+    sn_error err;
+    ok(sn_shape_plate(&s, a, b, c, r, &err), &err);
+    return s;
+}
+
+/* Against the nearest of many points of the triangle; both turns of the corners. */
+static void plate_distance(void **state)
+{
+    (void)state;
+    sn_shape *flat = plate(sn_v3(0, 0, 0), sn_v3(4, 0, 0), sn_v3(0, 4, 0), 0.5);
+    value_is(flat, 1, 1, 3, 2.5);
+    value_is(flat, 1, 1, -3, 2.5);
+    value_is(flat, -3, 2, 4, 4.5); /* 3, 4, 5 from a side */
+    value_is(flat, 3, 3, 0, sqrt(2.0) - 0.5);
+    sn_shape_release(flat);
+    uint64_t seed = 21;
+    for (int i = 0; i < 40; i++) {
+        sn_vec3 a = rnd_point(&seed, 1.0), b = rnd_point(&seed, 1.0), c = rnd_point(&seed, 1.0);
+        sn_vec3 p = rnd_point(&seed, 2.0);
+        double best = INFINITY;
+        for (int j = 0; j <= 300; j++)
+            for (int k = 0; k <= 300 - j; k++) {
+                sn_vec3 q = sn_v3_mad(sn_v3_scale(1.0 - (j + k) / 300.0, a), j / 300.0, b);
+                best = fmin(best, sn_v3_dist(p, sn_v3_mad(q, k / 300.0, c)));
+            }
+        sn_shape *s = plate(a, b, c, 0.25), *back = plate(c, b, a, 0.25);
+        near_to(sn_shape_value(s, p), best - 0.25, 2e-3);
+        near_to(sn_shape_value(back, p), sn_shape_value(s, p), 1e-12);
+        sn_shape_release(s);
+        sn_shape_release(back);
+    }
+}
+
 /* ---- combinations ---- */
 
 static void union_and_subtract(void **state)
@@ -282,6 +337,91 @@ static void smooth_union_values(void **state)
     sn_shape_release(same[0]);
 }
 
+static void intersect_and_smooth_subtract(void **state)
+{
+    (void)state;
+    sn_shape *part[2] = {sphere(0, 0, 0, 1), sphere(1, 0, 0, 0.75)}, *s;
+    sn_error err;
+    ok(sn_shape_intersect(&s, part, 2, &err), &err);
+    value_is(s, 0, 0, 0, 0.25);
+    value_is(s, 0.5, 0, 0, -0.25);
+    value_is(s, 3, 0, 0, 2.0);
+    assert_true(sn_shape_bounds(s).min.x == 0.25 && sn_shape_bounds(s).max.y == 0.75); /* the smaller one's */
+    sn_shape_release(s);
+    ok(sn_shape_smooth_subtract(&s, 0.4, part[0], part[1], &err), &err);
+    value_is(s, 0.25, 0, 0, 0.0); /* -0.75 and 0 differ by more than k: as without rounding */
+    value_is(s, 0.625, 0, 0, 0.375);
+    double y = sqrt(1.0 - 0.71875 * 0.71875); /* on both spheres: sinks by k/4 */
+    value_is(s, 0.71875, y, 0, 0.1);
+    sn_shape_release(s);
+    sn_shape_release(part[0]);
+    sn_shape_release(part[1]);
+}
+
+static sn_shape *moved(sn_shape *s, sn_vec3 scale, sn_vec3 axis, double degrees,
+                       sn_vec3 to) /* takes s over */
+{
+    sn_shape_placement t = {scale, axis, degrees, to};
+    sn_shape *out;
+    sn_error err;
+    ok(sn_shape_transform(&out, s, &t, &err), &err);
+    sn_shape_release(s);
+    return out;
+}
+
+static void transform_values(void **state)
+{
+    (void)state;
+    sn_vec3 one = sn_v3(1, 1, 1), none = sn_v3(0, 0, 0);
+    sn_shape *s = moved(box(3, 1, 1, 0), one, sn_v3(0, 0, 2), 90, sn_v3(10, 0, 0));
+    value_is(s, 10, 5, 0, 2.0); /* x became y, then 10 to the right */
+    value_is(s, 12, 0, 0, 1.0);
+    near_to(sn_shape_bounds(s).max.y, 3.0, 1e-12);
+    near_to(sn_shape_bounds(s).min.x, 9.0, 1e-12);
+    sn_shape_release(s);
+    s = moved(sphere(1, 0, 0, 1), sn_v3(2, 2, 2), none, 0, sn_v3(0, 5, 0));
+    value_is(s, 2, 5, 7, 5.0);
+    value_is(s, 2, 5, 0, -2.0);
+    sn_shape_release(s);
+    s = moved(sphere(0, 0, 0, 1), sn_v3(3, 1, 2), none, 0, none); /* uneven: a bound with the same surface */
+    value_is(s, 3, 0, 0, 0.0);
+    value_is(s, 0, 0, 2, 0.0);
+    value_is(s, 0, 3, 0, 2.0);
+    assert_true(sn_shape_value(s, sn_v3(5, 0, 0)) > 0.0 && sn_shape_value(s, sn_v3(5, 0, 0)) <= 2.0);
+    sn_shape_release(s);
+    s = moved(box(1, 2, 3, 0), one, sn_v3(1, 1, 1), 120, none); /* x to y to z to x */
+    value_is(s, 4, 0, 0, 1.0);
+    value_is(s, 0, 4, 0, 3.0);
+    value_is(s, 0, 0, 4, 2.0);
+    sn_shape_release(s);
+}
+
+static void mirror_values(void **state)
+{
+    (void)state;
+    sn_shape *a = sphere(3, 1, 0, 1), *s;
+    sn_error err;
+    ok(sn_shape_mirror(&s, a, sn_v3(1, 0, 0), sn_v3(-4, 0, 0), &err), &err);
+    value_is(s, -1, 1, 0, -1.0);
+    value_is(s, 3, 1, 0, 3.0);
+    near_to(sn_shape_bounds(s).min.x, -2.0, 1e-12);
+    near_to(sn_shape_bounds(s).max.x, 0.0, 1e-12);
+    sn_shape_release(s);
+    sn_shape_release(a);
+}
+
+static sn_shape *knot(void) /* some of the rest */
+{
+    sn_shape *ring, *part[2], *bitten;
+    sn_error err;
+    ok(sn_shape_torus(&ring, sn_v3(0, 0, 0), sn_v3(1, 2, 0.5), 0.7, 0.2, &err), &err);
+    part[0] = moved(ring, sn_v3(1.2, 0.7, 1), sn_v3(1, 0, 1), 40, sn_v3(0.1, 0, 0));
+    part[1] = plate(sn_v3(-1, -1, 0), sn_v3(1, -0.8, 0.2), sn_v3(0, 1, -0.3), 0.15);
+    ok(sn_shape_smooth_subtract(&bitten, 0.2, part[1], part[0], &err), &err);
+    sn_shape_release(part[1]);
+    return blended(0.15, part[0], bitten);
+}
+
 static sn_shape *tangle(void) /* some of everything */
 {
     sn_shape *blob =
@@ -294,15 +434,15 @@ static sn_shape *tangle(void) /* some of everything */
 static void values_are_no_steeper_than_one(void **state)
 {
     (void)state;
-    sn_shape *s[3] = {tangle(), ellipsoid(1.0, 0.01, 0.3), box(1, 0.5, 0.2, 0.1)};
+    sn_shape *s[4] = {tangle(), ellipsoid(1.0, 0.01, 0.3), box(1, 0.5, 0.2, 0.1), knot()};
     uint64_t seed = 3;
     for (int i = 0; i < 60000; i++) {
         sn_vec3 p = rnd_point(&seed, 1.5);
-        sn_vec3 q = sn_v3_add(p, rnd_point(&seed, i % 2 ? 1.0 : 1e-4));
-        double d = fabs(sn_shape_value(s[i % 3], p) - sn_shape_value(s[i % 3], q));
+        sn_vec3 q = sn_v3_add(p, rnd_point(&seed, i % 8 < 4 ? 1.0 : 1e-4));
+        double d = fabs(sn_shape_value(s[i % 4], p) - sn_shape_value(s[i % 4], q));
         assert_true(d <= sn_v3_dist(p, q) * (1.0 + 1e-9) + 1e-13);
     }
-    for (int i = 0; i < 3; i++) sn_shape_release(s[i]);
+    for (int i = 0; i < 4; i++) sn_shape_release(s[i]);
 }
 
 /* Outside the bounds the value is at least the distance to them. */
@@ -384,7 +524,42 @@ static void bad_leaves(void **state)
           "box: rounding is 2.5, need 0 to the smallest half size 2");
     WRONG(sn_shape_box(&s, o, one, -0.1, &e), "box: rounding is -0.1, need 0 to");
     WRONG(sn_shape_box(&s, o, one, NAN, &e), "box: rounding is nan, need 0 to");
+    WRONG(sn_shape_torus(&s, bad, one, 1, 1, &e), "torus: center is (0, nan, 2)");
+    WRONG(sn_shape_torus(&s, o, o, 1, 1, &e), "torus: axis is (0, 0, 0), need a direction");
+    WRONG(sn_shape_torus(&s, o, bad, 1, 1, &e), "torus: axis is (0, nan, 2)");
+    WRONG(sn_shape_torus(&s, o, one, 0, 1, &e), "torus: radius of the ring is 0, need > 0");
+    WRONG(sn_shape_torus(&s, o, one, 1, -2, &e), "torus: radius of the tube is -2, need > 0");
+    WRONG(sn_shape_plate(&s, bad, o, one, 1, &e), "plate: corner a is (0, nan, 2)");
+    WRONG(sn_shape_plate(&s, o, bad, one, 1, &e), "plate: corner b is (0, nan, 2)");
+    WRONG(sn_shape_plate(&s, o, one, bad, 1, &e), "plate: corner c is (0, nan, 2)");
+    WRONG(sn_shape_plate(&s, o, one, sn_v3(1, 0, 0), 0, &e), "plate: radius is 0, need > 0");
+    WRONG(sn_shape_plate(&s, o, one, sn_v3(2, 2, 2), 1, &e),
+          "plate: its corners lie on a line, need a triangle");
+    WRONG(sn_shape_plate(&s, o, o, o, 1, &e), "plate: its corners lie on a line");
 #undef WRONG
+}
+
+static void bad_moves(void **state)
+{
+    (void)state;
+    sn_vec3 o = sn_v3(0, 0, 0), one = sn_v3(1, 1, 1), bad = sn_v3(0, NAN, 2);
+    sn_shape *a = sphere(0, 0, 0, 1), *s;
+    sn_error e;
+#define WRONG(message, ...)                                                                                  \
+    wrong(sn_shape_transform(&s, a, &(sn_shape_placement){__VA_ARGS__}, &e), SN_EINVAL, &s, &e, message)
+    WRONG("transform: scale along x is 0, need > 0", o, one, 0, o);
+    WRONG("transform: scale along z is -1, need > 0", sn_v3(1, 1, -1), one, 0, o);
+    WRONG("transform: translate is (0, nan, 2)", one, one, 0, bad);
+    WRONG("transform: axis is (0, 0, 0), need a direction", one, o, 5, o);
+    WRONG("transform: angle is nan, need a finite number", one, one, NAN, o);
+#undef WRONG
+    wrong(sn_shape_transform(&s, NULL, &(sn_shape_placement){one, one, 0, o}, &e), SN_EINVAL, &s, &e,
+          "transform: shape 1 of 1 is missing");
+    wrong(sn_shape_mirror(&s, a, bad, one, &e), SN_EINVAL, &s, &e, "mirror: point is (0, nan, 2)");
+    wrong(sn_shape_mirror(&s, a, o, o, &e), SN_EINVAL, &s, &e,
+          "mirror: normal is (0, 0, 0), need a direction");
+    wrong(sn_shape_mirror(&s, NULL, o, one, &e), SN_EINVAL, &s, &e, "mirror: shape 1 of 1 is missing");
+    sn_shape_release(a);
 }
 
 static void bad_combinations(void **state)
@@ -402,6 +577,11 @@ static void bad_combinations(void **state)
           "smooth_union: shape 2 of 2 is missing");
     wrong(sn_shape_subtract(&s, NULL, a, &e), SN_EINVAL, &s, &e, "subtract: shape 1 of 2 is missing");
     wrong(sn_shape_subtract(&s, a, NULL, &e), SN_EINVAL, &s, &e, "subtract: shape 2 of 2 is missing");
+    wrong(sn_shape_smooth_subtract(&s, 0, a, a, &e), SN_EINVAL, &s, &e, "smooth_subtract: k is 0, need > 0");
+    wrong(sn_shape_smooth_subtract(&s, 1, a, NULL, &e), SN_EINVAL, &s, &e,
+          "smooth_subtract: shape 2 of 2 is missing");
+    wrong(sn_shape_intersect(&s, part, 0, &e), SN_EINVAL, &s, &e, "intersect: 0 shapes, need at least 1");
+    wrong(sn_shape_intersect(&s, part, 2, &e), SN_EINVAL, &s, &e, "intersect: shape 2 of 2 is missing");
     for (int i = 1; i < 1000; i++) { /* depth 1000 */
         sn_shape *deeper;
         ok(sn_shape_union(&deeper, &a, 1, &e), &e);
@@ -496,6 +676,25 @@ static void aligned_and_thin(void **state)
     sn_tri_mesh_free(&m);
 }
 
+static void meshes_of_the_rest(void **state)
+{
+    (void)state;
+    sn_shape *ring;
+    sn_error err;
+    ok(sn_shape_torus(&ring, sn_v3(0, 0, 0), sn_v3(0, 0, 1), 1, 0.4, &err), &err);
+    sn_tri_mesh m = mesh_of(ring, 0.15);
+    assert_int_equal(euler_characteristic(&m), 0);
+    near_to(sn_tri_mesh_volume(&m), 2.0 * PI * PI * 0.16, 0.1); /* 2 pi^2 R r^2 */
+    sn_tri_mesh_free(&m);
+    m = mesh_of(moved(sphere(0, 0, 0, 1), sn_v3(1, 0.5, 0.5), sn_v3(0, 0, 1), 30, sn_v3(4, 0, 0)), 0.12);
+    assert_int_equal(euler_characteristic(&m), 2);
+    near_to(sn_tri_mesh_volume(&m), PI / 3.0, 0.04);
+    sn_tri_mesh_free(&m);
+    m = mesh_of(knot(), 0.1);
+    assert_true(m.n_face > 0);
+    sn_tri_mesh_free(&m);
+}
+
 static void mesh_is_the_same_with_any_threads(void **state)
 {
     (void)state;
@@ -574,18 +773,20 @@ static void *rationed(void *user, void *p, size_t bytes)
 
 static sn_status make_and_mesh(sn_error *err)
 {
-    sn_shape *part[2] = {NULL, NULL}, *u = NULL, *s = NULL;
+    sn_shape *part[2] = {NULL, NULL}, *u = NULL, *turned = NULL, *s = NULL;
     sn_run run = {.n_threads = 1};
     sn_tri_mesh m;
     sn_tri_mesh_init(&m);
     sn_status st = sn_shape_sphere(&part[0], sn_v3(0, 0, 0), 1, err);
     if (!st) st = sn_shape_box(&part[1], sn_v3(1, 0, 0), sn_v3(1, 1, 1), 0.1, err);
     if (!st) st = sn_shape_union(&u, part, 2, err);
-    if (!st) st = sn_shape_subtract(&s, u, part[0], err);
+    if (!st) st = sn_shape_mirror(&turned, u, sn_v3(0, 0, 0), sn_v3(1, 0, 0), err);
+    if (!st) st = sn_shape_subtract(&s, turned, part[0], err);
     if (!st) st = sn_shape_mesh(s, 1.0, &run, &m, err);
     sn_shape_release(part[0]);
     sn_shape_release(part[1]);
     sn_shape_release(u);
+    sn_shape_release(turned);
     sn_shape_release(s);
     if (st) assert_null(m.pos);
     sn_tri_mesh_free(&m);
@@ -620,17 +821,24 @@ int main(void)
         cmocka_unit_test(box_distance),
         cmocka_unit_test(ellipsoid_distance_at_known_points),
         cmocka_unit_test(ellipsoid_distance_along_normals),
+        cmocka_unit_test(torus_distance),
+        cmocka_unit_test(plate_distance),
         cmocka_unit_test(union_and_subtract),
         cmocka_unit_test(smooth_union_values),
+        cmocka_unit_test(intersect_and_smooth_subtract),
+        cmocka_unit_test(transform_values),
+        cmocka_unit_test(mirror_values),
         cmocka_unit_test(values_are_no_steeper_than_one),
         cmocka_unit_test(bounds_hold_the_surface),
         cmocka_unit_test(operands_live_as_long_as_needed),
         cmocka_unit_test(bad_leaves),
+        cmocka_unit_test(bad_moves),
         cmocka_unit_test(bad_combinations),
         cmocka_unit_test(mesh_of_sphere),
         cmocka_unit_test(tunnel_has_genus_one),
         cmocka_unit_test(hollow_and_apart),
         cmocka_unit_test(aligned_and_thin),
+        cmocka_unit_test(meshes_of_the_rest),
         cmocka_unit_test(mesh_is_the_same_with_any_threads),
         cmocka_unit_test(bad_meshes),
         cmocka_unit_test(every_allocation_may_fail),

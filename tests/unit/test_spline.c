@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "muscle/spline.h"
+#include "mesh/spline.h"
 
 #include "made_mesh.h"
 

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "mesh/bvh.h"
-#include "muscle/spline_fit.h"
+#include "mesh/spline_fit.h"
 #include "muscle/stroke.h"
 #include "scene/scene_stroke.h"
 

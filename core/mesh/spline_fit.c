@@ -1,4 +1,4 @@
-#include "muscle/spline_fit.h"
+#include "mesh/spline_fit.h"
 
 #include "base/alloc.h"
 

@@ -3,10 +3,13 @@
  * Centripetal (knots spaced by the square root of the chord): no loops or cusps inside a span, however uneven
  * the points (Yuksel et al. 2011). The end tangents come from a reflected extra point. Two points give the
  * straight line. */
-#ifndef SN_MUSCLE_SPLINE_H
-#define SN_MUSCLE_SPLINE_H
+#ifndef SN_MESH_SPLINE_H
+#define SN_MESH_SPLINE_H
 
-#include "tetra/trace.h"
+#include "base/status.h"
+#include "mesh/cubic.h"
+
+#include <stdint.h>
 
 typedef struct sn_spline { /* open */
     sn_cubic *seg;         /* n_seg = points - 1, owned                              */

@@ -1,4 +1,4 @@
-#include "muscle/spline.h"
+#include "mesh/spline.h"
 
 #include "base/alloc.h"
 

@@ -1,8 +1,8 @@
 /* spline_fit.h - the spline with few control points that lies nearest to a path, by least squares [A 3.2]. */
-#ifndef SN_MUSCLE_SPLINE_FIT_H
-#define SN_MUSCLE_SPLINE_FIT_H
+#ifndef SN_MESH_SPLINE_FIT_H
+#define SN_MESH_SPLINE_FIT_H
 
-#include "muscle/spline.h"
+#include "mesh/spline.h"
 
 #define SN_SPLINE_FIT_MAX_POINTS 32
 

@@ -1,7 +1,4 @@
-#include "scene/scene.h"
-
-#include "base/alloc.h"
-#include "scene/scene_private.h"
+#include "base/names.h"
 
 #include <string.h>
 
