@@ -9,3 +9,4 @@ mkdir -p out/figures
 for figure in scripts/figures/fig*.lua; do
     build/sinew -q "$@" -D out=out/figures "$figure"
 done
+build/sinew -q -D out=out/figures scripts/figures/bones_sheet.lua

@@ -19,13 +19,13 @@ static sn_status find_contacts(const sn_body *b, const sn_measure *m, const sn_p
 {
     for (size_t h = 0; h < 4 * (size_t)b->mesh.n_tet; h++) {
         sn_vec3 centroid = {0};
-        if (b->across[h] >= 0 || sn_body_label(b->across[h]) == SN_LABEL_SKIN) continue;
+        if (sn_body_bone(b, b->across[h]) < 0) continue;
         double area = sn_measure_face_area(m, (int32_t)(h >> 2), (int)(h & 3), 1.0, &centroid);
         if (!(area > 0.0)) continue;
         if (!sn_grow(&out->item, &out->cap, out->n + 1, sizeof *out->item))
             return sn_fail(err, SN_ENOMEM, "attachments: no memory");
         sn_curve_place at = sn_paths_place(paths, centroid);
-        out->item[out->n++] = (contact){sn_body_label(b->across[h]) - 1, at.head, area,
+        out->item[out->n++] = (contact){sn_body_bone(b, b->across[h]), at.head, area,
                                         at.arc / paths->head[at.head].length, centroid};
     }
     return SN_OK;
@@ -62,12 +62,12 @@ static sn_attachment nearest_bone(const sn_body *b, sn_vec3 end)
 {
     sn_attachment a = {.i_bone = -1, .distance = INFINITY, .centroid = end};
     for (size_t h = 0; h < 4 * (size_t)b->mesh.n_tet; h++) {
-        if (b->across[h] >= 0 || sn_body_label(b->across[h]) == SN_LABEL_SKIN) continue;
+        if (sn_body_bone(b, b->across[h]) < 0) continue;
         for (int k = 0; k < 3; k++) {
             sn_vec3 p =
                 sn_tet_mesh_point(&b->mesh, b->mesh.tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]]);
             if (sn_v3_dist(p, end) >= a.distance) continue;
-            a = (sn_attachment){sn_body_label(b->across[h]) - 1, 0.0, p, sn_v3_dist(p, end)};
+            a = (sn_attachment){sn_body_bone(b, b->across[h]), 0.0, p, sn_v3_dist(p, end)};
         }
     }
     if (a.i_bone < 0) a.distance = 0.0;

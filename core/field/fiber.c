@@ -258,7 +258,7 @@ static sn_status assemble(fiber_system *s, const sn_fibers *f, const sn_muscle *
 #pragma omp parallel for schedule(static) num_threads(sn_run_threads(run))
     for (size_t v = 0; v < n; v++)
         s->place[v] = sn_paths_place(&f->paths, sn_tet_mesh_point(&f->mesh, (int32_t)v));
-    sn_status st = sn_laplacian_build(&s->matrix, &s->assembly, &f->mesh, run, err);
+    sn_status st = sn_laplacian_build(&s->matrix, &s->assembly, &f->mesh, 0.0, run, err);
     if (st) return st;
     sn_laplacian_set_weighted(&s->matrix, &s->assembly, &f->mesh, f->share);
     st = add_curves(s, f, m, err);

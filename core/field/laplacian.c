@@ -199,13 +199,14 @@ static inline void element(const sn_vec3 g[4], double weight, const double *tens
 static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const double *tensor,
                  const double *share)
 {
-    double size = sn_box3_diagonal(sn_tet_mesh_bounds(m)), mean[6];
+    double mean[6];
     memset(a->val, 0, (size_t)a->ptr[a->n] * sizeof *a->val);
     for (int32_t t = 0; t < m->n_tet; t++) {
         const int32_t *v = m->tet + 4 * (size_t)t;
         const uint16_t *slot = s->slot + 16 * (size_t)t;
         sn_vec3 g[4];
-        double e[4][4], weight = gradients(m, t, g) / size; /* volume / size^3 * grad * size . grad * size */
+        double e[4][4],
+            weight = gradients(m, t, g) / s->size; /* volume / size^3 * grad * size . grad * size */
         if (tensor) mean_tensor(tensor, v, mean);
         if (share) weight *= share[t];
         element(g, weight, tensor ? mean : NULL, e);
@@ -216,12 +217,13 @@ static void fill(sn_csr *a, const sn_assembly *s, const sn_tet_mesh *m, const do
     }
 }
 
-sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_mesh *m, const sn_run *run,
-                             sn_error *err)
+sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_mesh *m, double size,
+                             const sn_run *run, sn_error *err)
 {
     vertex_tets around = {0};
     sn_csr_free(out);
     sn_assembly_free(assembly);
+    assembly->size = size > 0.0 ? size : sn_box3_diagonal(sn_tet_mesh_bounds(m));
     sn_status st = sn_run_step(run, "assembling", 0.0, err);
     if (!st) st = find_around(&around, m, err);
     if (!st) st = build_pattern(out, m, &around, run, err);

@@ -47,7 +47,7 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     s->body = body;
     double start = sn_clock();
     sn_status st = number_unknowns(s, err);
-    if (!st) st = sn_laplacian_build(&s->laplacian, &s->assembly, &body->mesh, run, err);
+    if (!st) st = sn_laplacian_build(&s->laplacian, &s->assembly, &body->mesh, body->size, run, err);
     if (!st) st = copy_pattern(&s->matrix, &s->laplacian, err);
     s->report.seconds_assembly = sn_clock() - start;
     s->report.unknowns = s->n_free;

@@ -1,6 +1,7 @@
 #include "tetra/body.h"
 
 #include "base/alloc.h"
+#include "base/plane.h"
 #include "mesh/bvh.h"
 #include "mesh/mesh_check.h"
 #include "tetra/body_private.h"
@@ -40,6 +41,8 @@ sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, 
     if (!st) st = check_positive("time_limit", opt->time_limit, err);
     if (!st && opt->radius_edge != 0.0 && !(opt->radius_edge >= 1.1 && isfinite(opt->radius_edge)))
         st = sn_fail(err, SN_EINVAL, "tetrahedralize: radius_edge is %g, need >= 1.1", opt->radius_edge);
+    sn_plane plane;
+    if (!st && opt->has_cut) st = sn_plane_make(&plane, "cut", opt->cut_point, opt->cut_normal, err);
     if (st) return st;
     *out = *opt;
     if (out->edge_length == 0.0) out->edge_length = sn_box3_diagonal(sn_tri_mesh_bounds(skin)) / 80.0;
@@ -274,6 +277,17 @@ static sn_run limit_run(const sn_run *run, double deadline)
     return r;
 }
 
+/* Of a half model with its image: the half has the same fields as the whole then. */
+static double whole_size(const sn_tet_mesh *m, const sn_body_options *opt)
+{
+    sn_plane plane;
+    sn_box3 box = sn_tet_mesh_bounds(m);
+    if (opt->has_cut && !sn_plane_make(&plane, "cut", opt->cut_point, opt->cut_normal, NULL))
+        for (int32_t v = 0; v < m->n_vert; v++)
+            box = sn_box3_add(box, sn_plane_reflect(&plane, sn_tet_mesh_point(m, v)));
+    return sn_box3_diagonal(box);
+}
+
 static sn_status build_in_unit_box(const sn_tri_mesh *skin, const sn_named_surface *bone, int32_t n_bone,
                                    const sn_body_options *opt, const sn_run *run, sn_body *out,
                                    sn_body_report *report, sn_notes *notes, sn_error *err)
@@ -293,6 +307,7 @@ static sn_status build_in_unit_box(const sn_tri_mesh *skin, const sn_named_surfa
     }
     if (!st) {
         out->n_bone = n_bone;
+        out->size = whole_size(&out->mesh, opt);
         measure_shape(&out->mesh, &r);
         r.n_vert = out->mesh.n_vert;
         r.n_tet = out->mesh.n_tet;
@@ -330,6 +345,7 @@ static sn_body_options options_in_unit_box(const unit_box *u, const sn_body_opti
     o.edge_length = (double)(float)(o.edge_length / u->size);
     o.bone_edge_length = (double)(float)(o.bone_edge_length / u->size);
     o.max_volume = (double)(float)(o.max_volume / u->size / u->size / u->size);
+    o.cut_point = sn_v3_scale(1.0 / u->size, sn_v3_sub(o.cut_point, u->origin));
     return o;
 }
 
@@ -340,6 +356,7 @@ static void out_of_unit_box(const unit_box *u, sn_body *b, sn_body_report *r)
         double *p = b->mesh.pos + 3 * (size_t)v;
         sn_v3_store(p, sn_v3_mad(u->origin, u->size, sn_v3_load(p)));
     }
+    b->size *= u->size;
     r->bone_volume_exact *= cube;
     r->bone_volume *= cube;
     r->dropped_volume *= cube;
@@ -389,6 +406,7 @@ sn_status sn_body_from_tets(const sn_tet_mesh *m, int32_t label, sn_body *out, s
     if (!st) st = sn_tet_mesh_adjacency(m, &out->across, err);
     for (size_t h = 0; !st && h < 4 * (size_t)m->n_tet; h++)
         if (out->across[h] < 0) out->across[h] = -1 - label;
+    out->size = sn_box3_diagonal(sn_tet_mesh_bounds(&out->mesh));
     if (st) sn_body_free(out);
     return st;
 }

@@ -1,7 +1,8 @@
 /* body.h - the soft tissue as a tet mesh: inside the skin, outside of all bones [A 3].
  *
  * Bones may cross each other and poke through the skin: they are united and cut out of the skin's inside.
- * Every boundary face knows whether it is skin or which bone. Lengths in the scene's unit. */
+ * Every boundary face knows whether it is skin or which bone. A plane may cut a half of it off: the cap there
+ * is neither [A 5]. Lengths in the scene's unit. */
 #ifndef SN_TETRA_BODY_H
 #define SN_TETRA_BODY_H
 
@@ -14,11 +15,14 @@
 /* What a boundary face belongs to. */
 #define SN_LABEL_SKIN 0
 #define SN_LABEL_BONE(i_bone) (1 + (i_bone))
+#define SN_LABEL_CAP(n_bone) (1 + (n_bone)) /* where a half model was cut: neither skin nor bone */
 
 typedef struct sn_body { /* open */
     sn_tet_mesh mesh;    /* the soft tissue                                                              */
     int32_t *across;     /* n_tet x 4: the tet across face k; < 0 on the boundary: -1 - label; owned     */
     int32_t n_bone;
+    double size; /* length that energies are normalized by: the box diagonal of the mesh, of a half model with
+                    its image */
 } sn_body;
 
 static inline bool sn_body_is_boundary(int32_t across)
@@ -29,6 +33,12 @@ static inline int32_t sn_body_label(int32_t across) /* of a boundary face */
 {
     return -1 - across;
 }
+/* The bone that a face borders on, -1: none. */
+static inline int32_t sn_body_bone(const sn_body *b, int32_t across)
+{
+    int32_t i_bone = -2 - across;
+    return i_bone >= 0 && i_bone < b->n_bone ? i_bone : -1;
+}
 
 void sn_body_init(sn_body *b);
 void sn_body_free(sn_body *b);
@@ -38,8 +48,10 @@ typedef struct sn_body_options { /* zero-initialised = the defaults in brackets 
     double bone_edge_length; /* target on bones [edge_length]                                             */
     double max_volume;       /* of a tet, cubed unit [0.35 edge_length^3: an edge of 1.4 edge_length]     */
     double radius_edge;      /* bound on circumradius over shortest edge, >= 1.1 [1.414]                  */
-    double time_limit;       /* seconds for the whole of it [300]                                              */
-    size_t memory_limit;     /* bytes for the mesher [6 GiB]                                              */
+    double time_limit;   /* seconds for the whole of it [300]                                              */
+    size_t memory_limit; /* bytes for the mesher [6 GiB]                                              */
+    bool has_cut;        /* half model: only what is on the side of the plane that the normal points to */
+    sn_vec3 cut_point, cut_normal;
 } sn_body_options;
 
 typedef struct sn_body_report {

@@ -3,6 +3,7 @@
 #include "base/alloc.h"
 #include "base/child.h"
 #include "mesh/bvh.h"
+#include "mesh/mesh_check.h"
 #include "mesh/polygonize.h"
 #include "mesh/remesh.h"
 #include "tetra/body_private.h"
@@ -228,13 +229,18 @@ static sn_status sampled_difference(const corefine_job *job, const sn_body_optio
 
 /* ---- remeshing ---- */
 
+static bool is_bone(int32_t label, int32_t n_bone)
+{
+    return label >= SN_LABEL_BONE(0) && label < SN_LABEL_BONE(n_bone);
+}
+
 /* The mean of the corners of bone faces: a place near all openings. */
-static sn_vec3 bone_centre(const sn_tri_mesh *m)
+static sn_vec3 bone_centre(const sn_tri_mesh *m, int32_t n_bone)
 {
     sn_vec3 o = {0, 0, 0};
     int64_t n = 0;
     for (int32_t f = 0; f < m->n_face; f++)
-        if (m->label[f] != SN_LABEL_SKIN) {
+        if (is_bone(m->label[f], n_bone)) {
             n++;
             o = sn_v3_mad(o, 1.0 / (double)n, sn_v3_sub(sn_tri_mesh_point(m, m->face[3 * (size_t)f]), o));
         }
@@ -244,12 +250,12 @@ static sn_vec3 bone_centre(const sn_tri_mesh *m)
 /* Volume of the cone from o to the faces of bones, positive for whole bones: their own, up to the openings
  * where they poke through the skin. What an opening adds depends on o and can make it negative: only figures
  * for the same o may be compared. */
-static double bone_volume(const sn_tri_mesh *m, sn_vec3 o)
+static double bone_volume(const sn_tri_mesh *m, int32_t n_bone, sn_vec3 o)
 {
     double sum = 0.0;
     for (int32_t f = 0; f < m->n_face; f++) {
         const int32_t *v = m->face + 3 * (size_t)f;
-        if (m->label[f] != SN_LABEL_SKIN)
+        if (is_bone(m->label[f], n_bone))
             sum -=
                 sn_v3_det(sn_v3_sub(sn_tri_mesh_point(m, v[0]), o), sn_v3_sub(sn_tri_mesh_point(m, v[1]), o),
                           sn_v3_sub(sn_tri_mesh_point(m, v[2]), o)) /
@@ -258,26 +264,37 @@ static double bone_volume(const sn_tri_mesh *m, sn_vec3 o)
     return sum;
 }
 
+static sn_status keep_side(sn_tri_mesh *m, const sn_body_options *opt, int32_t n_bone, const sn_run *run,
+                           int64_t *crossings, sn_error *err)
+{
+    sn_mesh_check c;
+    sn_status st = sn_body_keep_side(m, opt, n_bone, err);
+    if (!st) st = sn_mesh_check_run(&c, m, run, err);
+    if (!st) *crossings = c.self_intersections;
+    return st;
+}
+
 /* Remeshes until the bones keep their volume and nothing crosses. *clean: nothing crosses. */
 static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32_t n_bone, const sn_run *run,
                         sn_tri_mesh *out, bool *clean, sn_body_report *report, sn_error *err)
 {
-    double *length = SN_NEW(double, n_bone + 1);
+    double *length = SN_NEW(double, n_bone + 2);
     if (!length) return sn_fail(err, SN_ENOMEM, "body: no memory");
-    for (int32_t i = 0; i <= n_bone; i++)
-        length[i] = i == SN_LABEL_SKIN ? opt->edge_length : opt->bone_edge_length;
+    for (int32_t i = 0; i < n_bone + 2; i++)
+        length[i] = is_bone(i, n_bone) ? opt->bone_edge_length : opt->edge_length;
     sn_remesh r = {.edge_length = opt->edge_length,
                    .label_length = length,
-                   .n_label = n_bone + 1,
+                   .n_label = n_bone + 2,
                    .max_deviation = 0.08};
     sn_remesh_report rr = {0};
     sn_status st = SN_OK;
-    sn_vec3 centre = bone_centre(in);
-    report->bone_volume_exact = bone_volume(in, centre);
+    sn_vec3 centre = bone_centre(in, n_bone);
+    report->bone_volume_exact = bone_volume(in, n_bone, centre);
     for (int i = 0; i < REMESH_TRIES; i++) {
         st = sn_remesh_run(in, &r, run, out, &rr, err);
+        if (!st && opt->has_cut) st = keep_side(out, opt, n_bone, run, &rr.crossings_after, err);
         if (st) break;
-        report->bone_volume = bone_volume(out, centre);
+        report->bone_volume = bone_volume(out, n_bone, centre);
         double change = fabs(report->bone_volume - report->bone_volume_exact);
         if (rr.crossings_after == 0 && change <= MAX_BONE_VOLUME_CHANGE * fabs(report->bone_volume_exact))
             break;
@@ -303,8 +320,8 @@ sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bon
         st = exact_difference(&job, opt, run, &raw, &why);
         if (!st && raw.n_face == 0)
             st = sn_fail(&why, SN_EMESH, "the bones leave no soft tissue inside the skin");
-        else if (!st)
-            st = remesh(&raw, opt, n_bone, run, out, &clean, report, &why);
+        if (!st && opt->has_cut) st = sn_body_cut_surface(&raw, opt, n_bone, run, &why);
+        if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, &why);
         if (st && st != SN_EMESH) {
             if (err) *err = why;
             goto done;
@@ -316,6 +333,7 @@ sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bon
     if (!clean) {
         report->was_resampled = true;
         st = sampled_difference(&job, opt, run, &raw, err);
+        if (!st && opt->has_cut) st = sn_body_cut_surface(&raw, opt, n_bone, run, err);
         if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, err);
         if (!st && !clean)
             st = sn_fail(err, SN_EMESH, "the surfaces cross each other and could not be mended");

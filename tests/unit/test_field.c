@@ -19,7 +19,7 @@ static sn_csr laplacian_of(const sn_tet_mesh *m)
 {
     sn_csr a = {0};
     sn_assembly s = {0};
-    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&a, &s, m, 0.0, NULL, NULL), SN_OK);
     sn_assembly_free(&s);
     assert_int_equal(a.n, m->n_vert);
     return a;
@@ -110,14 +110,14 @@ static void the_assembly_knows_every_place(void **state)
     sn_tet_mesh m = made_lattice(4, sn_v3(0, 0, 0), 1.0);
     sn_csr a = {0}, other = {0};
     sn_assembly s = {0};
-    assert_int_equal(sn_laplacian_build(&a, &s, &m, &(sn_run){.n_threads = 1}, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&a, &s, &m, 0.0, &(sn_run){.n_threads = 1}, NULL), SN_OK);
     for (int32_t t = 0; t < m.n_tet; t++)
         for (int k = 0; k < 16; k++) {
             int32_t row = m.tet[4 * t + k / 4];
             assert_int_equal(a.ptr[row] + s.slot[16 * t + k], sn_csr_find(&a, row, m.tet[4 * t + k % 4]));
         }
     for (int n = 2; n < 4; n++) { /* over what is there, and with other threads */
-        assert_int_equal(sn_laplacian_build(&other, &s, &m, &(sn_run){.n_threads = n}, NULL), SN_OK);
+        assert_int_equal(sn_laplacian_build(&other, &s, &m, 0.0, &(sn_run){.n_threads = n}, NULL), SN_OK);
         assert_memory_equal(other.ptr, a.ptr, ((size_t)a.n + 1) * sizeof *a.ptr);
         assert_memory_equal(other.idx, a.idx, (size_t)a.ptr[a.n] * sizeof *a.idx);
         assert_memory_equal(other.val, a.val, (size_t)a.ptr[a.n] * sizeof *a.val);
@@ -138,8 +138,8 @@ static void tets_count_by_their_weight(void **state)
     sn_csr all = {0}, part = {0};
     sn_assembly s = {0};
     double *weight = calloc((size_t)m.n_tet, sizeof *weight), largest = 0.0, *sum;
-    assert_int_equal(sn_laplacian_build(&all, &s, &m, NULL, NULL), SN_OK);
-    assert_int_equal(sn_laplacian_build(&part, &s, &m, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&all, &s, &m, 0.0, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&part, &s, &m, 0.0, NULL, NULL), SN_OK);
     size_t n = (size_t)all.ptr[all.n];
     sum = calloc(n, sizeof *sum);
     for (int round = 0; round < 2; round++) {
@@ -196,7 +196,7 @@ static void a_vertex_with_very_many_neighbours(void **state)
     sn_error err;
     for (int i = 0; i < 2; i++) {
         sn_tet_mesh m = fan_of(n[i]);
-        sn_status st = sn_laplacian_build(&a, &s, &m, NULL, &err);
+        sn_status st = sn_laplacian_build(&a, &s, &m, 0.0, NULL, &err);
         assert_int_equal(st, i ? SN_EINVAL : SN_OK);
         if (!st) assert_int_equal(a.ptr[1], 4096);
         if (!st) assert_true(a.val[sn_csr_find(&a, 0, 1)] < 0.0);

@@ -17,7 +17,7 @@ static sn_csr laplacian_of(const sn_tet_mesh *m)
 {
     sn_csr a = {0};
     sn_assembly s = {0};
-    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&a, &s, m, 0.0, NULL, NULL), SN_OK);
     sn_assembly_free(&s);
     return a;
 }

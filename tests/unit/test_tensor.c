@@ -14,7 +14,7 @@ static sn_csr laplacian_of(const sn_tet_mesh *m)
 {
     sn_csr a = {0};
     sn_assembly s = {0};
-    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&a, &s, m, 0.0, NULL, NULL), SN_OK);
     sn_assembly_free(&s);
     return a;
 }
@@ -26,7 +26,7 @@ static sn_csr anisotropic_of(const sn_tet_mesh *m, const sn_triad *frame, const 
     sn_assembly s = {0};
     double *tensor = malloc(6 * (size_t)m->n_vert * sizeof *tensor);
     sn_tensor_field(frame, m->n_vert, eigenvalue, tensor);
-    assert_int_equal(sn_laplacian_build(&a, &s, m, NULL, NULL), SN_OK);
+    assert_int_equal(sn_laplacian_build(&a, &s, m, 0.0, NULL, NULL), SN_OK);
     sn_laplacian_set_anisotropic(&a, &s, m, tensor);
     sn_assembly_free(&s);
     free(tensor);
