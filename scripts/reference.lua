@@ -7,7 +7,7 @@ local groups = {
   {"Surfaces", {"sinew%.surface%.", "surface:"}, "Closed surfaces turn outwards. Files: OBJ, PLY, STL, OFF, by extension."},
   {"Shapes", {"sinew%.shape%.", "shape:"}, "Implicit shapes, for skins and bones that a script makes."},
   {"Scene", {"scene:"}, "Solve, render and extract first bring up to date whatever is stale."},
-  {"Bones", {"bone:"}},
+  {"Bones", {"sinew%.bones%.", "bone:"}, "Templates of the library are in metres, of the left side in the anatomical position: +x lateral, +y up, +z to the front."},
   {"Muscles", {"muscle:", "head:"}, "Points and tissue values are counted from 1. The first point is the origin, the last the insertion."},
   {"Pictures", {"sinew%.image%.", "image:"}},
   {"Extraction and tet meshes", {"extraction:", "part:", "sinew%.tets%.", "tets:"},

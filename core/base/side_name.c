@@ -24,3 +24,12 @@ bool sn_side_name_swap(const char *name, char *out, size_t size)
     (void)snprintf(out, size, "%s", name);
     return false;
 }
+
+sn_side sn_side_of(const char *name)
+{
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        if (ends_in(name, endings[i][0])) return SN_SIDE_LEFT;
+        if (ends_in(name, endings[i][1])) return SN_SIDE_RIGHT;
+    }
+    return SN_SIDE_NONE;
+}

@@ -39,6 +39,8 @@ typedef struct sn_extraction { /* open */
     double largest_move; /* of those, in input units                                                */
     double seconds;
     sn_extraction_half half;
+    bool is_cut; /* of a half model, cut by this plane                                               */
+    sn_vec3 cut_point, cut_normal;
 } sn_extraction;
 
 void sn_extraction_init(sn_extraction *x);

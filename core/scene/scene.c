@@ -38,10 +38,10 @@ void sn_scene_destroy(sn_scene *s)
     sn_scene_stale_body(s);
     sn_body_free(&s->body);
     sn_tri_mesh_free(&s->skin);
-    for (int32_t i = 0; i < s->n_bone; i++) {
-        sn_release(s->bone[i].name);
-        sn_tri_mesh_free(&s->bone[i].mesh);
-    }
+    sn_tri_mesh_free(&s->half_skin);
+    for (int32_t i = 0; i < s->n_bone; i++) sn_scene_free_bone(&s->bone[i]);
+    while (s->n_joint > 0) sn_scene_drop_joint(s, s->n_joint - 1);
+    sn_release(s->joint);
     for (int32_t i = 0; i < s->n_muscle; i++) sn_scene_free_muscle(s->muscle[i]);
     sn_release(s->bone);
     sn_release(s->muscle);
@@ -125,94 +125,6 @@ void sn_scene_stale_field(sn_scene *s, int32_t i_muscle)
     s->muscle[i_muscle]->has_row = false; /* d is in the row; B does not change */
 }
 
-/* ---- skin and bones ---- */
-
-sn_status sn_scene_set_skin(sn_scene *s, const sn_tri_mesh *skin, sn_error *err)
-{
-    sn_tri_mesh copy;
-    sn_tri_mesh_init(&copy);
-    sn_status st = sn_tri_mesh_validate(skin, err);
-    if (st) return sn_fail_prefix(err, st, "skin: ");
-    st = sn_tri_mesh_copy(&copy, skin, err);
-    if (st) return st;
-    sn_tri_mesh_free(&s->skin);
-    s->skin = copy;
-    sn_scene_stale_body(s);
-    return SN_OK;
-}
-
-const sn_tri_mesh *sn_scene_skin(const sn_scene *s)
-{
-    return s->skin.n_face ? &s->skin : NULL;
-}
-
-static sn_status new_bone_name(const sn_scene *s, const char *name, sn_error *err)
-{
-    sn_status st = sn_check_name("bone", name, err);
-    for (int32_t i = 0; !st && i < s->n_bone; i++)
-        if (strcmp(s->bone[i].name, name) == 0)
-            st = sn_fail(err, SN_EINVAL, "there is a bone '%s' already", name);
-    return st;
-}
-
-sn_status sn_scene_add_bone(sn_scene *s, const char *name, const sn_tri_mesh *bone, sn_error *err)
-{
-    sn_status st = new_bone_name(s, name, err);
-    if (st) return st;
-    st = sn_tri_mesh_validate(bone, err);
-    if (st) return sn_fail_prefix(err, st, "bone '%s': ", name);
-    if (!sn_grow(&s->bone, &s->cap_bone, (size_t)s->n_bone + 1, sizeof *s->bone))
-        return sn_scene_no_memory(err);
-    scene_bone b = {.name = sn_strdup(name)};
-    if (!b.name) return sn_scene_no_memory(err);
-    st = sn_tri_mesh_copy(&b.mesh, bone, err);
-    if (st) {
-        sn_release(b.name);
-        return st;
-    }
-    s->bone[s->n_bone++] = b;
-    sn_scene_stale_body(s);
-    return SN_OK;
-}
-
-sn_status sn_scene_find_bone(const sn_scene *s, const char *name, int32_t *i_bone, sn_error *err)
-{
-    const char **names = SN_NEW(const char *, s->n_bone);
-    if (!names) return sn_scene_no_memory(err);
-    for (int32_t i = 0; i < s->n_bone; i++) names[i] = s->bone[i].name;
-    sn_status st = sn_find_name("bone", name, names, s->n_bone, i_bone, err);
-    sn_release(names);
-    return st;
-}
-
-sn_status sn_scene_remove_bone(sn_scene *s, const char *name, sn_error *err)
-{
-    int32_t i;
-    sn_status st = sn_scene_find_bone(s, name, &i, err);
-    if (st) return st;
-    sn_release(s->bone[i].name);
-    sn_tri_mesh_free(&s->bone[i].mesh);
-    memmove(&s->bone[i], &s->bone[i + 1], (size_t)(s->n_bone - i - 1) * sizeof *s->bone);
-    s->n_bone--;
-    sn_scene_stale_body(s);
-    return SN_OK;
-}
-
-int32_t sn_scene_bone_count(const sn_scene *s)
-{
-    return s->n_bone;
-}
-
-const char *sn_scene_bone_name(const sn_scene *s, int32_t i_bone)
-{
-    return s->bone[i_bone].name;
-}
-
-const sn_tri_mesh *sn_scene_bone_mesh(const sn_scene *s, int32_t i_bone)
-{
-    return &s->bone[i_bone].mesh;
-}
-
 /* ---- fat and alpha ---- */
 
 sn_status sn_scene_set_fat(sn_scene *s, double value, sn_error *err)
@@ -243,8 +155,9 @@ double sn_scene_alpha(const sn_scene *s)
 
 sn_box3 sn_scene_bounds(const sn_scene *s)
 {
-    sn_box3 b = sn_tri_mesh_bounds(&s->skin);
-    for (int32_t i = 0; i < s->n_bone; i++) b = sn_box3_merge(b, sn_tri_mesh_bounds(&s->bone[i].mesh));
+    sn_box3 b = sn_tri_mesh_bounds(s->has_cut ? &s->half_skin : &s->skin);
+    for (int32_t i = 0; i < s->n_bone; i++)
+        b = sn_box3_merge(b, sn_tri_mesh_bounds(sn_scene_bone_mesh(s, i)));
     for (int32_t i = 0; i < s->n_muscle; i++) {
         const sn_muscle *m = &s->muscle[i]->muscle;
         for (int32_t h = 0; h < m->n_head; h++)

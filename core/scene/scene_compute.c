@@ -10,8 +10,12 @@
 
 /* ---- body ---- */
 
-static sn_status build_body(sn_scene *s, const sn_body_options *opt, const sn_run *run, sn_error *err)
+static sn_status build_body(sn_scene *s, const sn_body_options *asked, const sn_run *run, sn_error *err)
 {
+    sn_body_options cut = *asked, *opt = &cut;
+    cut.has_cut = s->has_cut;
+    cut.cut_point = s->cut_point;
+    cut.cut_normal = s->cut_normal;
     if (s->skin.n_face == 0) return sn_fail(err, SN_EINVAL, "the scene has no skin: set_skin first");
     sn_named_surface *bone = SN_NEW(sn_named_surface, s->n_bone);
     if (!bone) return sn_scene_no_memory(err);
@@ -142,6 +146,7 @@ sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *opt, const sn_
     for (int32_t i = 0; !st && i < s->n_muscle; i++) muscle[i] = &s->muscle[i]->muscle;
     if (!st) st = sn_extract(&s->body.mesh, s->field, name, n, opt, run, out, err);
     if (!st) st = sn_extraction_set_muscles(out, muscle, s->n_muscle, err);
+    if (!st) out->is_cut = sn_scene_cut_plane(s, &out->cut_point, &out->cut_normal);
     sn_release(name);
     sn_release(muscle);
     if (st) sn_extraction_free(out);

@@ -12,6 +12,7 @@ enum { n_frame = 9 }; /* along each curve */
 
 typedef struct drawing {
     const sn_tri_mesh **bone;
+    int32_t n_bone;
     sn_picture_curve *curve;
     double *sample; /* n_curve x CURVE_SAMPLES x 3 */
     int32_t n_curve;
@@ -196,7 +197,8 @@ static sn_status make_drawing(sn_scene *s, const sn_picture_options *opt, int32_
     bool has_fields = s->n_muscle > 0 && sn_scene_fields(s);
     d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
     if (!d->bone) return sn_scene_no_memory(err);
-    for (int32_t i = 0; i < s->n_bone; i++) d->bone[i] = &s->bone[i].mesh;
+    for (int32_t i = 0; i < s->n_bone; i++) /* nothing may be left of it in a half model */
+        if (sn_scene_bone_mesh(s, i)->n_face > 0) d->bone[d->n_bone++] = sn_scene_bone_mesh(s, i);
     sn_status st = make_curves(s, d, err);
     if (!st && opt->show_frames) st = make_frames(s, d, err);
     if (!st && has_fields && (opt->show_muscles || opt->has_clip)) st = make_tendons(s, d, run, err);
@@ -207,7 +209,7 @@ static sn_status make_drawing(sn_scene *s, const sn_picture_options *opt, int32_
 static void show_drawing(const sn_scene *s, const drawing *d, sn_picture_scene *p)
 {
     p->bone = d->bone;
-    p->n_bone = s->n_bone;
+    p->n_bone = d->n_bone;
     p->skin = sn_scene_skin(s);
     p->curve = d->curve;
     p->n_curve = d->n_curve;

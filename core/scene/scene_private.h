@@ -6,10 +6,16 @@
 #include "field/harmonic.h"
 #include "muscle/path.h"
 #include "scene/scene.h"
+#include "scene/scene_bones.h"
 
 typedef struct scene_bone {
     char *name;
     sn_tri_mesh mesh;
+    sn_tri_mesh half; /* what is left of it in a half model; empty in a whole one */
+    sn_landmark *landmark;
+    int32_t n_landmark;
+    bool has_ends;
+    sn_vec3 from, to;
 } scene_bone;
 
 typedef struct scene_muscle {
@@ -35,6 +41,11 @@ struct sn_scene {
     scene_bone *bone;
     int32_t n_bone;
     size_t cap_bone;
+    sn_joint *joint;
+    int32_t n_joint;
+    bool has_cut; /* half model */
+    sn_vec3 cut_point, cut_normal;
+    sn_tri_mesh half_skin;
     scene_muscle **muscle; /* pointers: the addresses of muscles stay */
     int32_t n_muscle;
     size_t cap_muscle;
@@ -71,6 +82,16 @@ SN_MUST_USE sn_status sn_scene_need_paths(scene_muscle *m, sn_error *err);
 /* Scales the muscles whose volumes are to be kept. The fields are solved. */
 SN_MUST_USE sn_status sn_scene_keep_volumes(sn_scene *s, const sn_run *run, sn_error *err);
 void sn_scene_free_muscle(scene_muscle *m); /* NULL is fine */
+void sn_scene_free_bone(scene_bone *b);
+/* Takes *b over as the last bone, or in the place of bone i_bone when that is not < 0; leaves it to the
+ * caller on error. */
+SN_MUST_USE sn_status sn_scene_put_bone(sn_scene *s, int32_t i_bone, scene_bone *b, sn_error *err);
+/* The half of a surface of the scene, empty when nothing is left of it. what: for messages. */
+SN_MUST_USE sn_status sn_scene_half_of(const sn_tri_mesh *whole, const char *what, sn_vec3 point,
+                                       sn_vec3 normal, sn_tri_mesh *half, sn_error *err);
+void sn_scene_drop_joint(sn_scene *s, int32_t i_joint);
+/* Maps the joints that stay with a mirrored or edited bone. */
+SN_MUST_USE sn_status sn_scene_mirror_joints(sn_scene *s, sn_vec3 point, sn_vec3 normal, sn_error *err);
 SN_MUST_USE sn_status sn_scene_check_muscle(const sn_scene *s, int32_t i_muscle, sn_error *err);
 
 #endif

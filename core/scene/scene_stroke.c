@@ -43,13 +43,14 @@ static sn_status curve_of(const sn_scene *s, const sn_scene_stroke *stroke, cons
     const char **name = SN_NEW(const char *, s->n_bone);
     const sn_tri_mesh **mesh = SN_NEW(const sn_tri_mesh *, s->n_bone);
     sn_status st = name && mesh ? SN_OK : sn_fail(err, SN_ENOMEM, "scene: no memory");
+    int32_t n = 0;
     for (int32_t i = 0; !st && i < s->n_bone; i++) {
-        name[i] = s->bone[i].name;
-        mesh[i] = &s->bone[i].mesh;
+        if (sn_scene_bone_mesh(s, i)->n_face == 0) continue; /* cut off */
+        name[n] = s->bone[i].name;
+        mesh[n++] = sn_scene_bone_mesh(s, i);
     }
     if (!st) {
-        const sn_stroke_body body = {
-            .bone_name = name, .bone = mesh, .n_bone = s->n_bone, .skin = sn_scene_skin(s)};
+        const sn_stroke_body body = {.bone_name = name, .bone = mesh, .n_bone = n, .skin = sn_scene_skin(s)};
         const sn_stroke drawn = {.view = view_of(stroke->camera, stroke->width, stroke->height),
                                  .pixel = stroke->pixel,
                                  .n_pixel = stroke->n_pixel};

@@ -1,6 +1,7 @@
 #include "skeleton/bone_template.h"
 
 #include "base/alloc.h"
+#include "mesh/affine.h"
 #include "mesh/mesh_check.h"
 
 #include <string.h>
@@ -97,4 +98,22 @@ sn_status sn_bone_template_check(const sn_bone_template *t, sn_error *err)
         st = sn_fail(err, SN_EINVAL, "template '%s': it has a %s but no %s: fitting needs both", t->name,
                      t->cage.n_face > 0 ? "cage" : "skin", t->cage.n_face > 0 ? "skin" : "cage");
     return st;
+}
+
+sn_status sn_bone_template_align(sn_bone_template *t, sn_vec3 from, sn_vec3 to, sn_vec3 front, sn_error *err)
+{
+    sn_vec3 y = sn_v3_unit(sn_v3_sub(to, from)), z = sn_v3_mad(front, -sn_v3_dot(front, y), y);
+    double distance = sn_v3_dist(from, to);
+    if (!(distance > 0.0 && isfinite(distance)) || !(sn_v3_len(z) > 1e-6 * sn_v3_len(front)))
+        return sn_fail(err, SN_EINVAL,
+                       "template '%s': 'from' and 'to' must be two points, and 'front' across their line",
+                       t->name);
+    z = sn_v3_unit(z);
+    sn_vec3 x = sn_v3_cross(y, z), middle = sn_v3_lerp(from, to, 0.5);
+    sn_affine map = {.col = {{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
+    map.t = sn_v3_scale(-1.0, sn_affine_vector(&map, middle));
+    sn_affine_mesh(&map, &t->bone);
+    for (int32_t i = 0; i < t->n_landmark; i++) t->landmark[i].at = sn_affine_point(&map, t->landmark[i].at);
+    if (t->length == 0.0) t->length = distance;
+    return SN_OK;
 }

@@ -36,6 +36,12 @@ typedef struct sn_bone_template { /* zero-initialised = empty */
 } sn_bone_template;
 void sn_bone_template_free(sn_bone_template *t); /* fine on empty, fine twice */
 
+/* Turns a template of any place and direction into the frame of curve bones: the middle between from and to
+ * comes to the origin, from -> to along +y, front towards +z; length is their distance unless it is set.
+ * Errors: SN_EINVAL (from and to one point, front along them). */
+SN_MUST_USE sn_status sn_bone_template_align(sn_bone_template *t, sn_vec3 from, sn_vec3 to, sn_vec3 front,
+                                             sn_error *err);
+
 /* Reads the two texts of a template. text: lines `kind`, `from`, `to`, `length`, `landmark NAME X Y Z
  * RADIUS`, `joint NAME X Y Z`; `#` starts a comment. obj: `o NAME`, `o cage`, `o skin` with v and f lines,
  * triangles, indices counted through. out: empty. Errors: SN_EFORMAT (names the line), SN_EINVAL

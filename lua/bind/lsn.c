@@ -245,6 +245,8 @@ int luaopen_sinew(lua_State *L)
     lsn_open_shape(L);
     lsn_open_scene(L);
     lsn_open_bone(L);
+    lsn_open_bones(L);
+    lsn_open_place(L);
     lsn_open_muscle(L);
     lsn_open_head(L);
     lsn_open_extraction(L);

@@ -20,6 +20,8 @@
 #include "render/camera.h"
 #include "render/image.h"
 #include "scene/scene.h"
+#include "scene/scene_bones.h"
+#include "skeleton/bone_library.h"
 
 #include <lauxlib.h>
 #include <lua.h>
@@ -177,6 +179,12 @@ const sn_head_points *lsn_push_heads(lua_State *L, int arg, int32_t *n);
 sn_pennation lsn_read_pennation(lua_State *L, int arg);
 void lsn_set_triad(lua_State *L, sn_triad f); /* e1, e2, e3 into the table on top of the stack */
 
+sn_bone_library *lsn_bone_library(lua_State *L);              /* the one of this state */
+void lsn_push_clearance(lua_State *L, const sn_clearance *c); /* {least=, at=, outside=, near=} */
+void lsn_push_clearance_report(lua_State *L, const sn_clearance_report *r);
+/* Pushes the pixels of the list of {x, y} at stack index `list`; errors are for arg. */
+const double *lsn_push_pixels(lua_State *L, int list, int arg, int32_t *n);
+
 /* ---- methods of a muscle that live in lsn_head.c: of its one head, when argument 1 is a muscle ---- */
 int lsn_muscle_head_count(lua_State *L);
 int lsn_muscle_head(lua_State *L);
@@ -208,6 +216,12 @@ int lsn_scene_add_bone(lua_State *L);
 int lsn_scene_bone(lua_State *L);
 int lsn_scene_bones(lua_State *L);
 int lsn_scene_remove_bone(lua_State *L);
+int lsn_scene_place_bone(lua_State *L);
+int lsn_scene_mirror_bones(lua_State *L);
+int lsn_scene_cut(lua_State *L);
+int lsn_scene_add_joint(lua_State *L);
+int lsn_scene_remove_joint(lua_State *L);
+int lsn_scene_joints(lua_State *L);
 int lsn_scene_add_muscle(lua_State *L);
 int lsn_scene_muscle(lua_State *L);
 int lsn_scene_muscles(lua_State *L);
@@ -221,6 +235,8 @@ void lsn_open_surface(lua_State *L);
 void lsn_open_shape(lua_State *L);
 void lsn_open_scene(lua_State *L);
 void lsn_open_bone(lua_State *L);
+void lsn_open_bones(lua_State *L);
+void lsn_open_place(lua_State *L);
 void lsn_open_muscle(lua_State *L);
 void lsn_open_head(lua_State *L);
 void lsn_open_extraction(lua_State *L);

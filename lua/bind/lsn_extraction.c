@@ -236,8 +236,10 @@ static int extraction_mirror(lua_State *L) /* x:mirror{point=, normal=} -> extra
     const sn_extraction *x = check_extraction(L, 1);
     sn_error err;
     lsn_check_keys(L, 2, keys);
-    sn_vec3 point = lsn_opt_point(L, 2, "point", sn_v3(0.0, 0.0, 0.0), true);
-    sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
+    if (!x->is_cut && lua_isnoneornil(L, 2))
+        return lsn_fail(L, SN_EINVAL, "mirror: the scene was not cut (scene:cut{}): give {point=, normal=}");
+    sn_vec3 point = lsn_opt_point(L, 2, "point", x->cut_point, !x->is_cut);
+    sn_vec3 normal = lsn_opt_point(L, 2, "normal", x->cut_normal, !x->is_cut);
     (void)lua_getiuservalue(L, 1, 1);
     sn_extraction *out = lsn_push_extraction(L, -1);
     if (sn_extraction_mirror(x, point, normal, &lsn_get_state(L)->run, out, &err)) return lsn_raise(L, &err);

@@ -48,11 +48,14 @@ static const help surfaces[] = {
      "s:repair{weld=, fill_holes=, self_intersections=true, components=\"all\", wrap=\"auto\", tolerance=, "
      "alpha=, offset=, time_limit=} -> surface, report  a closed, manifold, outward surface without "
      "self-intersections; s stays as it is. Joins vertices nearer than weld, drops degenerate and duplicate "
-     "faces, orients, fills holes up to fill_holes across, removes components inside others (\"largest\" keeps "
-     "one only), cuts crossings out and unites components that cross. Where that does not do (wrap: \"auto\", "
+     "faces, orients, fills holes up to fill_holes across, removes components inside others (\"largest\" "
+     "keeps "
+     "one only), cuts crossings out and unites components that cross. Where that does not do (wrap: "
+     "\"auto\", "
      "\"always\", \"never\") a new surface is wrapped around all, not farther away than tolerance; it enters "
      "gaps wider than 2 alpha. Defaults by the diagonal of the bounds: weld 1e-6, fill_holes 0.25, tolerance "
-     "0.003 (more where the wrap would have over 400,000 faces). report: {steps={{name=, moved=, counts ...}, "
+     "0.003 (more where the wrap would have over 400,000 faces). report: {steps={{name=, moved=, counts "
+     "...}, "
      "...}, wrapped=, moved=, missed=, check=}: moved is "
      "the largest distance of the result from s, missed that of what is seen of s from outside from the "
      "result"},
@@ -114,7 +117,44 @@ static const help scenes[] = {
     {"scene:add_bone", "scene:add_bone(name, surface) -> bone  a closed surface, copied; bones may cross"},
     {"scene:bone", "scene:bone(name) -> bone"},
     {"scene:bones", "scene:bones() -> list of bones in the order added"},
-    {"scene:remove_bone", "scene:remove_bone(name)"},
+    {"scene:remove_bone", "scene:remove_bone(name)  and its joints"},
+    {"scene:place_bone",
+     "scene:place_bone{name=, template=, ...} -> bone, report  puts a bone of the library into the scene; a "
+     "name "
+     "that ends in _r (.r, _right ...) gives the mirror image of the template, which is of the left side. A "
+     "pick is "
+     "a point, a ray {origin=, direction=} or a pixel {camera=, size=, pixel={x, y}}: rays give the middle "
+     "between "
+     "their first two hits with the skin. All kinds take margin= (the bone is moved inwards where it comes "
+     "nearer to "
+     "the skin; report.clearance tells). "
+     "Cylinder bones: from=pick, to=pick, thickness=1 (over the one in proportion to the length) or \"kept\" "
+     "(the "
+     "template's own), twist=degrees, front={0, 0, 1}; report {from=, to=, length=}. "
+     "Curve bones: along={points} or {camera=, size=, stroke={{x, y}, ...}} (needs plane), towards the head, "
+     "count= or spacing=, plane={point=, normal=} (projects onto it), range={0, 1} (part of the curve by "
+     "length), "
+     "size={a, b} (of the first to the last), fill=1, thickness=1, front=, reversed=false, control_points=; "
+     "one bone, "
+     "whose piece k has its landmarks as NAME_k; report {count=, length=, spacing=, moved=, rms=, fill=}. "
+     "Shape bones: at=pick, size=1, rotate={axis=, degrees=}, fit=false (fits the template to the skin "
+     "around it), "
+     "and for the fit iterations=, tolerance=, max_residual=, stiffness=, trim=, keep_scale=; report "
+     "{rigid=, cage=, "
+     "inverted_faces=, crossings=, crossings_before=}, each step with residual={...}, iterations=, stop="},
+    {"scene:mirror_bones", "scene:mirror_bones{plane={point=, normal=}} -> {added=, replaced=}  every bone "
+                           "and joint of a side gets its image "
+                           "under the name of the other side (_l and _r, _L _R, .l .r, .L .R, _left _right); "
+                           "the left one counts where both "
+                           "are there. plane: that of scene:cut, else x = 0"},
+    {"scene:cut",
+     "scene:cut{point={0, 0, 0}, normal=}  a half model: keeps the side that the normal points to; caps "
+     "carry no skin condition. Whole surfaces are kept: scene:cut(nil) brings them back"},
+    {"scene:add_joint",
+     "scene:add_joint{name=, parent=, child=, center=, axes={x, y, z}}  parent and child: bones or "
+     "their names; axes are made orthonormal, those of space when not given"},
+    {"scene:remove_joint", "scene:remove_joint(name)"},
+    {"scene:joints", "scene:joints() -> list of {name=, parent=, child=, center=, axes=}"},
     {"scene:tetrahedralize", "scene:tetrahedralize{edge_length=, bone_edge_length=, max_volume=, "
                              "radius_edge=1.414, time_limit=300} -> {vertices=, "
                              "tets=, seconds=, ...}  fills the soft tissue between skin and bones with tets; "
@@ -177,7 +217,37 @@ static const help scenes[] = {
     {"scene:extract", "scene:extract{margin=0.001} -> extraction  every muscle and \"fat\" as tets that fit "
                       "each other exactly"},
     {"bone:name", "bone:name() -> string"},
-    {"bone:surface", "bone:surface() -> surface  a copy"},
+    {"bone:surface", "bone:surface() -> surface  a copy; of what is left in a half model"},
+    {"bone:move", "bone:move(v) -> bone"},
+    {"bone:rotate",
+     "bone:rotate{axis=, degrees=, about=} -> bone  about: a point, the middle of its box when not given"},
+    {"bone:scale", "bone:scale(k [, {about=}]) -> bone"},
+    {"bone:ends", "bone:ends() -> from, to  or nil: only bones placed between two points have ends"},
+    {"bone:set_ends",
+     "bone:set_ends(from, to [, {thickness=1}]) -> bone  stretched along its axis and turned by the "
+     "smallest angle; thickness: factor across the axis"},
+    {"bone:landmark", "bone:landmark(name) -> point, radius  radius 0: the centre of a joint"},
+    {"bone:landmarks", "bone:landmarks() -> list of {name=, point=, radius=}"},
+    {"bone:set_landmark", "bone:set_landmark(name, point [, radius]) -> bone"},
+    {"bone:clearance",
+     "bone:clearance{margin=0} -> {least=, at=, outside=, near=}  signed distance of its vertices from "
+     "the skin: the least one, where, how many are outside, how many nearer than the margin"},
+    {"bone:keep_clear",
+     "bone:keep_clear{margin=} -> {before=, after=, moved=, moved_vertices=, rounds=}  moves what comes "
+     "nearer to the skin inwards, and what is around it along with it"},
+    {"sinew.bones.list",
+     "sinew.bones.list() -> list of {name=, kind=, faces=, fits=, landmarks={names}}  kind: "
+     "\"cylinder\", \"curve\" or \"shape\"; fits: it can be fitted to a skin"},
+    {"sinew.bones.surface",
+     "sinew.bones.surface(name [, \"cage\" | \"skin\"]) -> surface  of a template: metres, left "
+     "side, +x lateral, +y up, +z front"},
+    {"sinew.bones.add", "sinew.bones.add{name=, kind=, mesh=surface, ...}  a template of your own, for this "
+                        "run of the program. Cylinders: "
+                        "from=, to= (its handles). Curve bones: length= (spacing) with the mesh around the "
+                        "origin, +y along the curve; or "
+                        "from=, to=, front= for a mesh of any place. Shapes: cage= and skin= (surfaces) when "
+                        "they are to be fitted. All: "
+                        "landmarks={NAME={x, y, z} or {point=, radius=}}"},
 };
 
 static const help muscles[] = {
@@ -284,7 +354,9 @@ static const help results[] = {
      "ids of its "
      "own after the last tissue; a path without extension: a folder with one .obj for each muscle"},
     {"extraction:mirror",
-     "x:mirror{point=, normal=} -> extraction  both sides of a half model, joined without a seam. A part "
+     "x:mirror{point=, normal=} -> extraction  both sides of a half model, joined without a seam; the plane "
+     "is "
+     "that of scene:cut where none is given. A part "
      "without a side is one part on both; the image of NAME_l goes to NAME_r and the other way round (also "
      "_L _R, .l .r, .L .R, _left _right), new parts come last. Fibers are reflected, too"},
     {"extraction:fiber_lines", "x:fiber_lines{count=100, file=} -> {NAME={line, ...}, ...}  as "

@@ -8,31 +8,31 @@
 
 enum { opts = 3 }; /* the argument that holds the options */
 
-/* Pushes the pixels of option `stroke`: a list of {x, y}. */
-static const double *push_stroke(lua_State *L, int32_t *n)
+/* Item i of the list of pixels at stack index `list`. */
+static void read_pixel(lua_State *L, int list, int arg, int32_t i, double *out)
 {
-    if (!lsn_has(L, opts, "stroke")) (void)lsn_option_error(L, opts, NULL, "option 'stroke' is missing");
-    int list = lua_gettop(L) + 1;
-    (void)lua_getfield(L, opts, "stroke");
-    *n = lsn_check_list(L, list, opts, "option 'stroke'");
-    double *pixel = lsn_push_numbers(L, 2 * (size_t)*n);
-    for (int32_t i = 0; i < *n; i++) {
-        bool is_list = lua_geti(L, list, i + 1) == LUA_TTABLE;
-        if (is_list && lua_rawlen(L, -1) != 2)
-            (void)lsn_option_error(L, opts, NULL, "stroke[%d]: {x, y} in pixels expected, got a list of %d",
-                                   i + 1, (int)lua_rawlen(L, -1));
-        if (!is_list)
-            (void)lsn_option_error(L, opts, NULL, "stroke[%d]: {x, y} in pixels expected, got %s", i + 1,
-                                   luaL_typename(L, -1));
-        for (int k = 0; k < 2; k++) {
-            (void)lua_geti(L, -1, k + 1);
-            lua_pushfstring(L, "stroke[%d]: coordinate %s", i + 1, k ? "y" : "x");
-            if (!lsn_to_number(L, -2, lua_tostring(L, -1), &pixel[2 * (size_t)i + (size_t)k]))
-                (void)luaL_argerror(L, opts, lua_tostring(L, -1));
-            lua_pop(L, 2);
-        }
-        lua_pop(L, 1);
+    bool is_list = lua_geti(L, list, i + 1) == LUA_TTABLE;
+    if (is_list && lua_rawlen(L, -1) != 2)
+        (void)lsn_option_error(L, arg, NULL, "stroke[%d]: {x, y} in pixels expected, got a list of %d", i + 1,
+                               (int)lua_rawlen(L, -1));
+    if (!is_list)
+        (void)lsn_option_error(L, arg, NULL, "stroke[%d]: {x, y} in pixels expected, got %s", i + 1,
+                               luaL_typename(L, -1));
+    for (int k = 0; k < 2; k++) {
+        (void)lua_geti(L, -1, k + 1);
+        lua_pushfstring(L, "stroke[%d]: coordinate %s", i + 1, k ? "y" : "x");
+        if (!lsn_to_number(L, -2, lua_tostring(L, -1), &out[k]))
+            (void)luaL_argerror(L, arg, lua_tostring(L, -1));
+        lua_pop(L, 2);
     }
+    lua_pop(L, 1);
+}
+
+const double *lsn_push_pixels(lua_State *L, int list, int arg, int32_t *n)
+{
+    *n = lsn_check_list(L, list, arg, "option 'stroke'");
+    double *pixel = lsn_push_numbers(L, 2 * (size_t)*n);
+    for (int32_t i = 0; i < *n; i++) read_pixel(L, list, arg, i, pixel + 2 * (size_t)i);
     return pixel;
 }
 
@@ -84,7 +84,9 @@ int lsn_scene_draw_muscle(lua_State *L) /* scene:draw_muscle(name, {...}) -> mus
         return lsn_fail(L, SN_EINVAL,
                         "draw_muscle: the scene has no bones: a stroke begins and ends over one");
     read_options(L, &o);
-    stroke.pixel = push_stroke(L, &stroke.n_pixel);
+    if (!lsn_has(L, opts, "stroke")) return lsn_option_error(L, opts, NULL, "option 'stroke' is missing");
+    (void)lua_getfield(L, opts, "stroke");
+    stroke.pixel = lsn_push_pixels(L, lua_gettop(L), opts, &stroke.n_pixel);
     stroke.tissue = lsn_push_each(L, opts, "tissue", sn_stroke_point_count(&o), "points");
     lsn_read_size(L, opts, &stroke.width, &stroke.height);
     lsn_read_camera(L, opts, s, stroke.width, stroke.height, &camera);
