@@ -55,6 +55,9 @@ static void print_check(const sn_mesh_check *c)
         (void)printf("  first_pair: %" PRId32 " %" PRId32 "\n", c->first_pair[0] + 1, c->first_pair[1] + 1);
     else
         (void)printf("  first_pair: none\n");
+    bool is_usable = c->closed && c->manifold && c->oriented && c->degenerate_faces == 0 &&
+                     c->duplicate_faces == 0 && c->self_intersections == 0;
+    if (!is_usable) (void)printf("  hint: surface:repair{} may mend it\n");
 }
 
 static sn_status surface_info(const char *path, const sn_run *run, sn_error *err)
@@ -125,14 +128,15 @@ static bool is_one_of(const char *ext, const char *const list[])
 
 static sn_status file_info(const char *path, const sn_run *run, sn_error *err)
 {
-    static const char *const surface[] = {"obj", "ply", "stl", "off", NULL};
+    static const char *const surface[] = {"obj", "ply", "stl", "off", "vtp", NULL};
     static const char *const tets[] = {"mesh", "vtu", "node", "ele", NULL};
     char ext[16];
     sn_file_extension(path, ext);
     if (is_one_of(ext, surface)) return surface_info(path, run, err);
     if (is_one_of(ext, tets)) return tet_info(path, err);
     return sn_fail(err, SN_EFORMAT,
-                   "%s: unknown extension (known: .obj, .ply, .stl, .off, .mesh, .vtu, .node, .ele)", path);
+                   "%s: unknown extension (known: .obj, .ply, .stl, .off, .vtp, .mesh, .vtu, .node, .ele)",
+                   path);
 }
 
 int cli_info(const cli_options *o)

@@ -136,6 +136,9 @@ void sn_off_write(sn_out *o, const sn_tri_mesh *m, bool ascii);
 SN_MUST_USE sn_status sn_vtp_write(sn_out *o, const sn_polylines *p, const char *const *part_name,
                                    int32_t n_part, sn_error *err);
 
+/* The polygons of VTK XML polygonal data (.vtp); points that only vertices, lines or strips use stay. */
+SN_MUST_USE sn_status sn_vtp_read(sn_builder *b, sn_scan *s, sn_error *err);
+
 SN_MUST_USE sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err);
 SN_MUST_USE sn_status sn_medit_read(sn_builder *b, sn_scan *s, sn_error *err);
 /* s: the file named by the caller, .node or .ele; reads the other one itself. */

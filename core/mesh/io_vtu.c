@@ -1,4 +1,5 @@
-/* io_vtu.c - VTK XML unstructured grids (.vtu), with inline base64 or text arrays. */
+/* io_vtu.c - VTK XML with inline base64 or text arrays: unstructured grids (.vtu), and reading the polygons
+ * of polygonal data (.vtp). */
 #include "mesh/io_private.h"
 
 #include "base/alloc.h"
@@ -23,10 +24,12 @@ typedef struct values { /* an array of the file, as doubles */
 
 typedef struct vtu {
     sn_scan *s;
-    bool is_big, has_long_header;
+    const char *type;  /* of the file: "UnstructuredGrid" */
+    const char *cells; /* the element that holds the cells: "Cells" */
+    bool is_big, has_long_header, is_compressed;
     bool in_piece;
     sn_word section; /* the element that holds the arrays: Points, Cells, CellData, ... */
-    values point, corner, offset, type, part;
+    values point, corner, offset, kind, part;
 } vtu;
 
 /* Steps over what begins with `open` and ends with `close`; false when it is not there. */
@@ -175,10 +178,10 @@ static values *find_target(vtu *r, const tag *t)
 {
     sn_word name = attribute(t, "Name");
     if (sn_word_is(r->section, "Points")) return &r->point;
-    if (sn_word_is(r->section, "Cells")) {
+    if (sn_word_is(r->section, r->cells)) {
         if (sn_word_is(name, "connectivity")) return &r->corner;
         if (sn_word_is(name, "offsets")) return &r->offset;
-        return sn_word_is(name, "types") ? &r->type : NULL;
+        return sn_word_is(name, "types") ? &r->kind : NULL;
     }
     bool is_part = sn_word_is(name, "tissue") || (sn_word_is(name, "MaterialId") && !r->part.is_there);
     return is_part && sn_word_is(r->section, "CellData") ? &r->part : NULL;
@@ -192,6 +195,8 @@ static sn_status read_array(vtu *r, const tag *t, sn_error *err)
     sn_number_type type = find_type(attribute(t, "type"));
     if (sn_word_is(format, "appended"))
         return sn_scan_fail(r->s, err, "appended data is not read: write it inline, as binary or ascii");
+    if (r->is_compressed && !(format.n == 0 || sn_word_is(format, "ascii")))
+        return sn_scan_fail(r->s, err, "compressed data is not read: write the file without a compressor");
     if (type == SN_NO_NUMBER) return sn_scan_fail(r->s, err, "an array needs a type, Int8 to Float64");
     sn_release(out->v);
     *out = (values){.is_there = true};
@@ -205,10 +210,9 @@ static sn_status read_array(vtu *r, const tag *t, sn_error *err)
 
 static sn_status read_root(vtu *r, const tag *t, sn_error *err)
 {
-    if (attribute(t, "compressor").n > 0)
-        return sn_scan_fail(r->s, err, "compressed data is not read: write the file without a compressor");
-    if (!sn_word_is(attribute(t, "type"), "UnstructuredGrid"))
-        return sn_scan_fail(r->s, err, "need a VTKFile of type UnstructuredGrid");
+    if (!sn_word_is(attribute(t, "type"), r->type))
+        return sn_scan_fail(r->s, err, "need a VTKFile of type %s", r->type);
+    r->is_compressed = attribute(t, "compressor").n > 0; /* said also where all arrays are text */
     r->is_big = sn_word_is(attribute(t, "byte_order"), "BigEndian");
     r->has_long_header = sn_word_is(attribute(t, "header_type"), "UInt64");
     return SN_OK;
@@ -217,7 +221,8 @@ static sn_status read_root(vtu *r, const tag *t, sn_error *err)
 /* Other elements (InformationKey, ...) may stand between the arrays of a section. */
 static bool is_section(sn_word name)
 {
-    static const char *const names[] = {"FieldData", "PointData", "CellData", "Points", "Cells"};
+    static const char *const names[] = {"FieldData", "PointData", "CellData", "Points", "Cells",
+                                        "Polys",     "Verts",     "Lines",    "Strips"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (sn_word_is(name, names[i])) return true;
     return false;
@@ -263,17 +268,28 @@ static sn_status missing(const vtu *r, const char *what, sn_error *err)
     return sn_fail(err, SN_EFORMAT, "%s: %s", r->s->path, what);
 }
 
+static sn_status no_array(const vtu *r, const char *name, sn_error *err)
+{
+    return sn_fail(err, SN_EFORMAT, "%s: no '%s' in %s", r->s->path, name, r->cells);
+}
+
+static sn_status check_cells(const vtu *r, sn_error *err)
+{
+    if (!r->point.is_there || r->point.n % 3 != 0) return missing(r, "no Points with three components", err);
+    if (!r->corner.is_there) return no_array(r, "connectivity", err);
+    return r->offset.is_there ? SN_OK : no_array(r, "offsets", err);
+}
+
 static sn_status check_arrays(const vtu *r, sn_error *err)
 {
-    size_t n = r->type.n;
-    if (!r->point.is_there || r->point.n % 3 != 0) return missing(r, "no Points with three components", err);
-    if (!r->corner.is_there) return missing(r, "no 'connectivity' in Cells", err);
-    if (!r->offset.is_there) return missing(r, "no 'offsets' in Cells", err);
-    if (!r->type.is_there) return missing(r, "no 'types' in Cells", err);
+    size_t n = r->kind.n;
+    sn_status st = check_cells(r, err);
+    if (st) return st;
+    if (!r->kind.is_there) return no_array(r, "types", err);
     for (size_t i = 0; i < n; i++)
-        if (r->type.v[i] != VTK_TETRA)
+        if (r->kind.v[i] != VTK_TETRA)
             return sn_fail(err, SN_EFORMAT, "%s: cell %zu has type %g, need %d (tets only)", r->s->path,
-                           i + 1, r->type.v[i], VTK_TETRA);
+                           i + 1, r->kind.v[i], VTK_TETRA);
     if (r->offset.n != n || r->corner.n != 4 * n || (r->part.is_there && r->part.n != n))
         return sn_fail(err, SN_EFORMAT,
                        "%s: %zu cells with %zu offsets, %zu corners and %zu tissues do not fit", r->s->path,
@@ -285,44 +301,82 @@ static sn_status check_arrays(const vtu *r, sn_error *err)
     return SN_OK;
 }
 
-static sn_status add_tet(const vtu *r, sn_builder *b, size_t i, sn_error *err)
+/* The corners first .. end - 1 of cell i. */
+static sn_status add_corners(const vtu *r, sn_builder *b, size_t i, size_t first, size_t end, sn_error *err)
 {
     sn_status st = SN_OK;
-    for (size_t k = 4 * i; k < 4 * i + 4 && !st; k++) {
+    for (size_t k = first; k < end && !st; k++) {
         double v = r->corner.v[k];
         if (!(v >= 0.0 && v < (double)sn_build_n_vert(b) && v == floor(v)))
             return sn_fail(err, SN_EFORMAT, "%s: cell %zu names point %g, need 0..%lld", b->path, i + 1, v,
                            (long long)sn_build_n_vert(b) - 1);
         st = sn_build_corner(b, (int64_t)v, 0, err);
     }
+    return st;
+}
+
+static sn_status add_tet(const vtu *r, sn_builder *b, size_t i, sn_error *err)
+{
+    sn_status st = add_corners(r, b, i, 4 * i, 4 * i + 4, err);
     double part = r->part.is_there ? r->part.v[i] : -1.0;
     bool is_part = part >= 0.0 && part <= (double)INT32_MAX && part == floor(part);
     return st ? st : sn_build_cell(b, is_part ? (int32_t)part : -1, err);
 }
 
-static sn_status fill(const vtu *r, sn_builder *b, sn_error *err)
+/* Polygon i: a file's offsets are where each one ends. */
+static sn_status add_polygon(const vtu *r, sn_builder *b, size_t i, sn_error *err)
 {
-    sn_status st = check_arrays(r, err);
-    for (size_t i = 0; i + 2 < r->point.n && !st; i += 3) {
+    double first = i > 0 ? r->offset.v[i - 1] : 0.0, end = r->offset.v[i];
+    if (!(end <= (double)r->corner.n && end == floor(end)))
+        return sn_fail(err, SN_EFORMAT, "%s: offset %zu is %g, need a whole number up to %zu", b->path, i + 1,
+                       end, r->corner.n);
+    if (!(end - first >= 3.0 && end - first <= (double)INT32_MAX))
+        return sn_fail(err, SN_EFORMAT, "%s: polygon %zu has %g corners, need 3 or more", b->path, i + 1,
+                       end - first);
+    sn_status st = add_corners(r, b, i, (size_t)first, (size_t)end, err);
+    return st ? st : sn_build_cell(b, (int32_t)(end - first), err);
+}
+
+static sn_status add_points(const vtu *r, sn_builder *b, sn_error *err)
+{
+    for (size_t i = 0; i + 2 < r->point.n; i += 3) {
         if (!sn_v3_is_finite(sn_v3_load(r->point.v + i)))
             return sn_fail(err, SN_EFORMAT, "%s: point %zu has a coordinate that is not finite", b->path,
                            i / 3);
-        st = sn_build_point(b, r->point.v + i, err);
+        sn_status st = sn_build_point(b, r->point.v + i, err);
+        if (st) return st;
     }
-    for (size_t i = 0; i < r->type.n && !st; i++) st = add_tet(r, b, i, err);
-    return st;
+    return SN_OK;
+}
+
+static void vtu_free(vtu *r)
+{
+    sn_release(r->point.v);
+    sn_release(r->corner.v);
+    sn_release(r->offset.v);
+    sn_release(r->kind.v);
+    sn_release(r->part.v);
 }
 
 sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err)
 {
-    vtu r = {.s = s};
+    vtu r = {.s = s, .type = "UnstructuredGrid", .cells = "Cells"};
     sn_status st = read_tags(&r, err);
-    if (!st) st = fill(&r, b, err);
-    sn_release(r.point.v);
-    sn_release(r.corner.v);
-    sn_release(r.offset.v);
-    sn_release(r.type.v);
-    sn_release(r.part.v);
+    if (!st) st = check_arrays(&r, err);
+    if (!st) st = add_points(&r, b, err);
+    for (size_t i = 0; i < r.kind.n && !st; i++) st = add_tet(&r, b, i, err);
+    vtu_free(&r);
+    return st;
+}
+
+sn_status sn_vtp_read(sn_builder *b, sn_scan *s, sn_error *err)
+{
+    vtu r = {.s = s, .type = "PolyData", .cells = "Polys"};
+    sn_status st = read_tags(&r, err);
+    if (!st) st = check_cells(&r, err);
+    if (!st) st = add_points(&r, b, err);
+    for (size_t i = 0; i < r.offset.n && !st; i++) st = add_polygon(&r, b, i, err);
+    vtu_free(&r);
     return st;
 }
 

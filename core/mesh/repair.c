@@ -9,10 +9,9 @@
 #define WELD_REL 1e-6 /* of the input's diagonal, as the next two */
 #define FILL_REL 0.25
 #define TOLERANCE_REL 0.003
-#define WRAP_FACES 1.4 /* a wrap has about that times area / alpha^2 faces (measured) */
+#define WRAP_FACES 0.5 /* a wrap has about that times area / tolerance^2 faces (measured) */
 #define MAX_WRAP_FACES                                                                                       \
-    2e5                   /* the tolerance that is set when none is given asks for no more than about these */
-#define OFFSET_REL 0.2    /* of the tolerance */
+    1e5                   /* the tolerance that is set when none is given asks for no more than about these */
 #define CRUMB_REL 1e-3    /* of the area: open components below are left out */
 #define UNTANGLE_ROUNDS 3 /* rounding the exact result may leave a few crossings for the next round */
 #define MAY_MISS_REL                                                                                         \
@@ -82,9 +81,7 @@ static sn_status set_lengths(repair *r)
     if (o->fill_holes < 0.0) o->fill_holes = FILL_REL * r->diagonal;
     if (o->tolerance == 0.0)
         o->tolerance =
-            fmax(TOLERANCE_REL * r->diagonal,
-                 sqrt(WRAP_FACES / MAX_WRAP_FACES * sn_tri_mesh_area(r->in)) / SN_REPAIR_ALPHA_REL);
-    if (o->offset == 0.0) o->offset = OFFSET_REL * o->tolerance;
+            fmax(TOLERANCE_REL * r->diagonal, sqrt(WRAP_FACES / MAX_WRAP_FACES * sn_tri_mesh_area(r->in)));
     r->report->tolerance = o->tolerance;
     return SN_OK;
 }
@@ -163,8 +160,9 @@ static sn_status orient_and_fill(repair *r)
     sn_status st = SN_OK;
     if (!is_whole(&r->check)) {
         double crumb = CRUMB_REL * sn_tri_mesh_area(&r->m);
-        st = sn_repair_in_child(SN_TASK_ORIENT_FILL, &r->m, r->opt.fill_holes, crumb, &r->opt, r->run, &made,
-                                &n, r->err);
+        st = sn_repair_in_child(SN_TASK_ORIENT_FILL, &r->m,
+                                (sn_repair_sizes){.hole = r->opt.fill_holes, .crumb = crumb}, &r->opt, r->run,
+                                &made, &n, r->err);
         if (!st && made.n_face > 0) st = replace(r, &made, fill);
         if (may_go_on(r, st)) st = SN_OK;
     }
@@ -198,8 +196,8 @@ static sn_status untangle_rounds(repair *r, sn_repair_counts *sum, sn_repair_ste
         sn_tri_mesh made;
         sn_repair_counts n = {0};
         sn_tri_mesh_init(&made);
-        sn_status st =
-            sn_repair_in_child(SN_TASK_UNTANGLE, &r->m, 0.0, 0.0, &r->opt, r->run, &made, &n, r->err);
+        sn_status st = sn_repair_in_child(SN_TASK_UNTANGLE, &r->m, (sn_repair_sizes){0}, &r->opt, r->run,
+                                          &made, &n, r->err);
         if (!st && made.n_face > 0) st = replace(r, &made, s);
         if (!st) st = check_now(r);
         sn_tri_mesh_free(&made);

@@ -28,10 +28,11 @@ typedef struct sn_repair {
     bool largest;      /* keep only the component with the largest volume                                   */
     sn_wrap wrap;      /* auto: when the other steps did not suffice; always: after weld, clean and fill    */
     double tolerance;  /* how far the wrap may be from the input; 0: 0.003 diagonal, or more where the wrap
-                          would have more than 400,000 faces                         */
-    double alpha;      /* the wrap enters gaps wider than twice this; 0: from 0.72 tolerance downwards, until
-                          the tolerance holds                                                               */
-    double offset;     /* the wrap's distance from the input before it is laid back; 0: 0.2 tolerance       */
+                          would have more than about 100,000 faces                                          */
+    double alpha;  /* the wrap enters gaps wider than about twice this; 0: half the tolerance or less, where
+                      the wrap is that far away from the input, and 3 tolerances elsewhere: narrower creases
+                      are bridged, smooth parts get few faces                                           */
+    double offset; /* the wrap's distance from the input before it is laid back; 0: 0.3 tolerance       */
     double time_limit; /* seconds for each step in a process of its own, 0: none                            */
     size_t memory_limit; /* bytes for it [6 GiB], 0: none                                                   */
 } sn_repair;

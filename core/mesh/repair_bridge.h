@@ -31,10 +31,16 @@ SN_MUST_USE sn_status sn_bridge_orient_fill(const sn_tri_mesh *in, double hole_s
  * crossings. Errors: SN_EMESH, SN_ENOMEM. */
 SN_MUST_USE sn_status sn_bridge_untangle(const sn_tri_mesh *in, sn_tri_mesh *out, sn_repair_counts *n,
                                          sn_error *err);
-/* A closed, manifold, outward surface around the faces of in, `offset` away from them, that enters no gap
- * narrower than about 2 alpha (Portaneri et al., Alpha Wrapping with an Offset, 2022).
+typedef struct sn_wrap_sizes {
+    double alpha; /* gaps wider than about twice this are entered ...                                       */
+    double far;   /* ... and where the wrap is farther than this from the input, also gaps ...              */
+    double least; /* ... wider than about twice this. least = alpha: the same everywhere                    */
+    double offset; /* of the wrap from the input */
+} sn_wrap_sizes;
+/* A closed, manifold, outward surface around the faces of in, `offset` away from them (Portaneri et al.,
+ * Alpha Wrapping with an Offset, 2022), here with an alpha that adapts. offset > 0, 0 < least <= alpha.
  * Errors: SN_EMESH, SN_ENOMEM. */
-SN_MUST_USE sn_status sn_bridge_wrap(const sn_tri_mesh *in, double alpha, double offset, sn_tri_mesh *out,
+SN_MUST_USE sn_status sn_bridge_wrap(const sn_tri_mesh *in, const sn_wrap_sizes *w, sn_tri_mesh *out,
                                      sn_error *err);
 
 SN_END_DECLS

@@ -8,7 +8,7 @@
 typedef struct job {
     uint64_t kind; /* SN_REPAIR_JOB: sinew-mesher tells its jobs apart by it */
     int32_t task, n_vert, n_face, pad;
-    double a, b;
+    sn_repair_sizes sizes;
 } job;
 
 typedef struct answer {
@@ -29,9 +29,10 @@ static size_t mesh_bytes(int32_t n_vert, int32_t n_face)
 static sn_status do_task(const job *j, const sn_tri_mesh *in, sn_tri_mesh *out, sn_repair_counts *n,
                          sn_error *err)
 {
-    if (j->task == SN_TASK_ORIENT_FILL) return sn_bridge_orient_fill(in, j->a, j->b, out, n, err);
+    if (j->task == SN_TASK_ORIENT_FILL)
+        return sn_bridge_orient_fill(in, j->sizes.hole, j->sizes.crumb, out, n, err);
     if (j->task == SN_TASK_UNTANGLE) return sn_bridge_untangle(in, out, n, err);
-    return sn_bridge_wrap(in, j->a, j->b, out, err);
+    return sn_bridge_wrap(in, &j->sizes.wrap, out, err);
 }
 
 static sn_status answer_job(const job *j, const sn_tri_mesh *in, sn_child_out *to, sn_error *err)
@@ -94,13 +95,13 @@ static sn_status work_in_child(void *user, sn_child_out *out, sn_error *err)
     return answer_job(&r->head, r->in, out, err);
 }
 
-sn_status sn_repair_in_child(sn_repair_task task, const sn_tri_mesh *in, double a, double b,
+sn_status sn_repair_in_child(sn_repair_task task, const sn_tri_mesh *in, sn_repair_sizes sizes,
                              const sn_repair *opt, const sn_run *run, sn_tri_mesh *out, sn_repair_counts *n,
                              sn_error *err)
 {
     static const char *const step[] = {"filling holes", "resolving self-intersections", "wrapping"};
     sn_child child = {step[task], opt->time_limit, opt->memory_limit, SN_EMESH};
-    request r = {{SN_REPAIR_JOB, (int32_t)task, in->n_vert, in->n_face, 0, a, b}, in};
+    request r = {{SN_REPAIR_JOB, (int32_t)task, in->n_vert, in->n_face, 0, sizes}, in};
     char *data;
     size_t size;
     answer got;

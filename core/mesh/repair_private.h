@@ -41,15 +41,12 @@ SN_MUST_USE sn_status sn_repair_missed(const sn_tri_mesh *m, const sn_tri_mesh *
 
 /* ---- repair_wrap.c ---- */
 
-#define SN_REPAIR_ALPHA_REL                                                                                  \
-    0.9 /* first alpha, of the tolerance: over a gap the wrap is alpha from its rims */
-
 typedef struct sn_wrap_result {
-    double alpha, offset, moved;
-    int32_t tries, laid_back; /* laid_back: vertices moved onto the input */
+    double alpha, offset, moved; /* alpha: the smallest one   */
+    int32_t tries, laid_back;    /* laid_back: vertices moved onto the input */
 } sn_wrap_result;
-/* Wraps with opt->tolerance, alpha and offset (tolerance and offset > 0). Errors: SN_EMESH (tolerance not
- * kept, or a wrap that went in through a hole), and those of the child. */
+/* Wraps with opt->tolerance (> 0), alpha and offset (0: by itself). *result is set also on error.
+ * Errors: SN_EMESH (tolerance not kept, or a wrap that went in through a hole), and those of the child. */
 SN_MUST_USE sn_status sn_repair_wrap(const sn_tri_mesh *in, const sn_repair *opt, const sn_run *run,
                                      sn_tri_mesh *out, sn_wrap_result *result, sn_error *err);
 
@@ -58,8 +55,12 @@ SN_MUST_USE sn_status sn_repair_wrap(const sn_tri_mesh *in, const sn_repair *opt
 enum { SN_REPAIR_JOB = 3 }; /* among the jobs of sinew-mesher, see tetra/mesher.h */
 
 typedef enum sn_repair_task { SN_TASK_ORIENT_FILL, SN_TASK_UNTANGLE, SN_TASK_WRAP } sn_repair_task;
-/* a, b: hole size and crumb area; unused; alpha and offset. n: zero unless the task counts. */
-SN_MUST_USE sn_status sn_repair_in_child(sn_repair_task task, const sn_tri_mesh *in, double a, double b,
+typedef struct sn_repair_sizes { /* those of the task */
+    double hole, crumb;
+    sn_wrap_sizes wrap;
+} sn_repair_sizes;
+/* n: zero unless the task counts. */
+SN_MUST_USE sn_status sn_repair_in_child(sn_repair_task task, const sn_tri_mesh *in, sn_repair_sizes sizes,
                                          const sn_repair *opt, const sn_run *run, sn_tri_mesh *out,
                                          sn_repair_counts *n, sn_error *err);
 /* What sinew-mesher does with such a job. */

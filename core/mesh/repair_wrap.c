@@ -6,8 +6,16 @@
 
 #include <string.h>
 
-#define NEXT_ALPHA 0.75
-#define WRAP_TRIES 5
+/* Of the tolerance. What the wrap bridges lies at most least + offset away, but for the few places where CGAL
+ * makes it manifold by filling in: those get nearer with smaller sizes. */
+#define ALPHA_REL 3.0
+#define FAR_REL 0.6
+#define LEAST_REL 0.5
+#define OFFSET_REL 0.3
+#define FAR_OFFSET 1.2 /* offsets: a wrap is never nearer than one of them */
+#define NEXT_ALPHA 0.5
+#define NEXT_REL 0.8 /* for the others */
+#define WRAP_TRIES 3
 #define LAY_FROM 1.5 /* offsets: vertices nearer than that are laid back ... */
 #define LAY_TO 0.1   /* ... to this distance, so that both sides of a sheet do not meet                     */
 #define LAY_PASSES 12
@@ -111,21 +119,51 @@ static sn_status lay_back(sn_tri_mesh *m, const sn_bvh *b, double offset, const 
 
 /* ---- the wrap ---- */
 
-/* With the alpha given, or with smaller ones until the tolerance holds. */
-static sn_status wrap_within(const sn_tri_mesh *in, const sn_repair *opt, const sn_run *run, sn_tri_mesh *out,
-                             sn_wrap_result *r, sn_error *err)
+static sn_wrap_sizes sizes_of_try(const sn_repair *opt, int i_try)
+{
+    double t = opt->tolerance * pow(NEXT_REL, i_try);
+    double offset = opt->offset > 0.0 ? opt->offset : OFFSET_REL * t;
+    if (opt->alpha > 0.0) return (sn_wrap_sizes){opt->alpha, t, opt->alpha, offset};
+    double alpha = ALPHA_REL * opt->tolerance * pow(NEXT_ALPHA, i_try);
+    return (sn_wrap_sizes){alpha, fmax(FAR_REL * t, FAR_OFFSET * offset), LEAST_REL * t, offset};
+}
+
+static sn_status check_wrap(const sn_tri_mesh *m, const sn_wrap_sizes *w, sn_error *err)
+{
+    if (m->n_face == 0) return sn_fail(err, SN_EMESH, "repair: the wrap is empty");
+    if (sn_tri_mesh_volume(m) >= SHELL * w->offset * sn_tri_mesh_area(m)) return SN_OK;
+    return sn_fail(
+        err, SN_EMESH,
+        "repair: the wrap went in through a hole and is a thin shell: fill_holes of the size of that "
+        "hole closes it, an alpha (now %.4g) of at least half its width keeps the wrap out",
+        w->least);
+}
+
+static sn_status wrap_once(const sn_tri_mesh *in, const sn_bvh *b, const sn_wrap_sizes *w,
+                           const sn_repair *opt, const sn_run *run, sn_tri_mesh *out, sn_wrap_result *r,
+                           sn_error *err)
 {
     sn_repair_counts none;
-    r->alpha = opt->alpha > 0.0 ? opt->alpha : SN_REPAIR_ALPHA_REL * opt->tolerance;
-    r->offset = opt->offset;
-    for (r->tries = 1;; r->tries++) {
-        sn_status st = sn_repair_in_child(SN_TASK_WRAP, in, r->alpha, r->offset, opt, run, out, &none, err);
-        if (!st && out->n_face == 0) st = sn_fail(err, SN_EMESH, "repair: the wrap is empty");
-        if (!st) st = sn_repair_moved(out, in, run, &r->moved, err);
+    r->alpha = w->least;
+    r->offset = w->offset;
+    r->laid_back = 0;
+    r->tries++;
+    sn_status st =
+        sn_repair_in_child(SN_TASK_WRAP, in, (sn_repair_sizes){.wrap = *w}, opt, run, out, &none, err);
+    if (!st) st = check_wrap(out, w, err);
+    if (!st) st = lay_back(out, b, w->offset, run, &r->laid_back, err);
+    return st ? st : sn_repair_moved(out, in, run, &r->moved, err);
+}
+
+/* With the alpha given, or with smaller sizes until the tolerance holds. */
+static sn_status wrap_within(const sn_tri_mesh *in, const sn_bvh *b, const sn_repair *opt, const sn_run *run,
+                             sn_tri_mesh *out, sn_wrap_result *r, sn_error *err)
+{
+    do {
+        sn_wrap_sizes w = sizes_of_try(opt, r->tries);
+        sn_status st = wrap_once(in, b, &w, opt, run, out, r, err);
         if (st || r->moved <= opt->tolerance) return st;
-        if (opt->alpha > 0.0 || r->tries == WRAP_TRIES) break;
-        r->alpha *= NEXT_ALPHA;
-    }
+    } while (!(opt->alpha > 0.0) && r->tries < WRAP_TRIES);
     return sn_fail(
         err, SN_EMESH,
         "repair: the wrap is up to %.4g away from the surface, the tolerance is %.4g: a smaller alpha "
@@ -138,16 +176,8 @@ sn_status sn_repair_wrap(const sn_tri_mesh *in, const sn_repair *opt, const sn_r
 {
     sn_bvh *b = NULL;
     *r = (sn_wrap_result){0};
-    sn_status st = wrap_within(in, opt, run, out, r, err);
-    if (!st && sn_tri_mesh_volume(out) < SHELL * r->offset * sn_tri_mesh_area(out))
-        st = sn_fail(
-            err, SN_EMESH,
-            "repair: the wrap went in through a hole and is a thin shell: fill_holes of the size of that "
-            "hole closes it, an alpha (now %.4g) of at least half its width keeps the wrap out",
-            r->alpha);
-    if (!st) st = sn_bvh_create(&b, in, err);
-    if (!st) st = lay_back(out, b, r->offset, run, &r->laid_back, err);
-    if (!st) st = sn_repair_moved(out, in, run, &r->moved, err);
+    sn_status st = sn_bvh_create(&b, in, err);
+    if (!st) st = wrap_within(in, b, opt, run, out, r, err);
     sn_bvh_destroy(b);
     if (st) sn_tri_mesh_free(out);
     return st;

@@ -10,35 +10,35 @@
 typedef struct format {
     const char *ext;
     sn_status (*read)(sn_builder *b, sn_scan *s, sn_error *err);
-    void (*write)(sn_out *o, const sn_tri_mesh *m, bool ascii);
+    void (*write)(sn_out *o, const sn_tri_mesh *m, bool ascii); /* NULL: it is only read */
     bool has_floats;    /* its binary form holds floats                */
     bool needs_welding; /* it writes the corners of each face anew     */
 } format;
 
 static const format formats[] = {
-    {"obj", sn_obj_read, sn_obj_write, false, false},
-    {"ply", sn_ply_read, sn_ply_write, false, false},
-    {"stl", sn_stl_read, sn_stl_write, true, true},
-    {"off", sn_off_read, sn_off_write, false, false},
+    {"obj", sn_obj_read, sn_obj_write, false, false}, {"ply", sn_ply_read, sn_ply_write, false, false},
+    {"stl", sn_stl_read, sn_stl_write, true, true},   {"off", sn_off_read, sn_off_write, false, false},
+    {"vtp", sn_vtp_read, NULL, false, false},
 };
 
-static sn_status find_format(const format **out, const char *path, sn_error *err)
+static sn_status find_format(const format **out, const char *path, bool to_write, sn_error *err)
 {
     char ext[16];
     sn_file_extension(path, ext);
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
-        if (strcmp(ext, formats[i].ext) == 0) {
+        if (strcmp(ext, formats[i].ext) == 0 && (formats[i].write || !to_write)) {
             *out = &formats[i];
             return SN_OK;
         }
-    return sn_fail(err, SN_EINVAL, "%s: unknown surface format '%s' (known: .obj .ply .stl .off)", path, ext);
+    return sn_fail(err, SN_EINVAL, "%s: unknown surface format '%s' (known: .obj .ply .stl .off%s)", path,
+                   ext, to_write ? "" : " .vtp");
 }
 
 sn_status sn_surface_load(sn_tri_mesh *out, const char *path, sn_error *err)
 {
     sn_tri_mesh_free(out);
     const format *f = NULL;
-    sn_status st = find_format(&f, path, err);
+    sn_status st = find_format(&f, path, false, err);
     if (st) return st;
     char *data = NULL;
     sn_scan s;
@@ -69,7 +69,7 @@ static sn_status check_floats(const sn_tri_mesh *m, const char *path, sn_error *
 static sn_status save(const sn_tri_mesh *m, const char *path, bool ascii, sn_error *err)
 {
     const format *f = NULL;
-    sn_status st = find_format(&f, path, err);
+    sn_status st = find_format(&f, path, true, err);
     if (st) return st;
     st = sn_tri_mesh_validate(m, err);
     if (st) return sn_fail_prefix(err, st, "%s: cannot save: ", path);

@@ -1,13 +1,14 @@
-/* surface_io.h - reads and writes surfaces: OBJ, PLY (ASCII, binary), STL (ASCII, binary), OFF. Independent
- * of locale.
+/* surface_io.h - reads and writes surfaces: OBJ, PLY (ASCII, binary), STL (ASCII, binary), OFF; reads the
+ * polygons of VTK XML polygonal data (.vtp). Independent of locale.
  *
- * Reading: the format follows the extension (.obj .ply .stl .off, any case); ASCII or binary follows the
+ * Reading: the format follows the extension (.obj .ply .stl .off .vtp, any case); ASCII or binary follows the
  * contents. Lines may end in any of the three ways. Quads and polygons are cut into triangles as a fan from
  * their first corner, a concave planar polygon by ear clipping (at most 1,024 corners, else SN_EFORMAT). STL
  * corners that are bit-equal are welded. Vertices that no face uses are kept, and so are faces that name a
  * vertex twice. Texture coordinates, normals, colours, groups and materials are passed over. A negative OBJ
  * index counts from the last vertex read; a positive one may name a vertex that comes later. Several solids
- * in an STL become one surface. No labels come out.
+ * in an STL become one surface. A VTP has one piece, its arrays inline, as text or base64, not compressed. No
+ * labels come out.
  *
  * Errors: SN_EIO (cannot open or read), SN_EFORMAT
  * (contents; "path:line: ..." for text, "path: ... at byte N" for binary: truncated, an index out of range, a

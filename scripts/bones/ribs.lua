@@ -42,11 +42,11 @@ kit.bone{
 -- ---- a pair of ribs: origin in the centre of the vertebra between them ----
 
 local arc = {{17, 8, -9, 3.6, 3.6}, {25, 9, -20, 4.2, 3.2}, {36, 8, -29, 5, 3.6}, {62, 0, -42, 6, 4},
-  {96, -14, -32, 6.5, 3.8}, {120, -30, 8, 6.5, 3.4},
-             {124, -44, 55, 6.5, 3.2}, {106, -58, 102, 6.5, 3.2}, {76, -67, 134, 6.5, 3.6},
-               {44, -62, 152, 6.5, 4.5}, {20, -52, 158, 6.5, 5}, {10, -50, 159, 6.5, 5}}
+  {96, -14, -32, 6.3, 3.8}, {120, -30, 8, 6, 3.4},
+             {124, -43, 55, 5.6, 3.1}, {106, -54, 102, 5.2, 3}, {76, -60, 134, 5, 3.3},
+               {44, -57, 152, 4.8, 4}, {20, -51, 158, 4.8, 4.2}, {10, -50, 159, 4.8, 4.2}}
 local pair = both(blend(2, band(arc, {0, 1, 0}), egg({17, 8, -8}, {4.5, 5, 4.5}), egg({37, 8, -32}, {5, 4.5, 4})))
-pair = blend(4, pair, kit.egg({0, -50, 159}, {17, 11, 6.5}))
+pair = blend(3, pair, kit.disc({0, -50, 159}, 16, 6.2, 5.5, 1.5))
 kit.bone{
   name = "rib_pair",
     about = "two ribs with their cartilage and a piece of the sternum; origin in the centre of the vertebra",
@@ -58,8 +58,8 @@ kit.bone{
     {"posterior", 98, -14, -37, 7, pair = true}, {"lateral", 128, -42, 48, 8, pair = true},
       {"lateral_anterior", 118, -54, 90, 8, pair = true},
     {"upper_border", 122, -24, 10, 6, pair = true}, {"lower_border", 120, -38, 10, 6, pair = true},
-      {"anterior", 78, -67, 138, 8, pair = true},
-    {"anterior_inner", 74, -67, 130, 8, pair = true}, {"cartilage", 46, -62, 157, 7, pair = true},
+      {"anterior", 78, -60, 138, 8, pair = true},
+    {"anterior_inner", 74, -60, 130, 8, pair = true}, {"cartilage", 46, -57, 157, 7, pair = true},
       {"sternal", 12, -50, 165, 6, pair = true},
     {"inner", 116, -34, 20, 7, pair = true}, {"sternum", 0, -50, 166, 7}, {"sternum_inner", 0, -50, 152, 7}},
   joints = {{"costovertebral", 16, 8, -8, pair = true}}}

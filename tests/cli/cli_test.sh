@@ -462,6 +462,7 @@ run info 0 "$sinew" info lib/tetra.obj lib/open.obj
 want_out 'lib/tetra.obj'; want_out '  vertices: 4'; want_out '  faces: 4'; want_out '  bounds: 0 0 0 .. 1 1 1'
 want_out '  volume: 0.16666666666666666'; want_out '  closed: true'; want_out '  closed: false'
 want_out '  boundary_edges: 3'; want_out '  self_intersections: 0'; want_no_err
+[ "$(grep -c '^  hint: surface:repair{} may mend it$' "$tmp/out")" = 1 ] || bad 'no hint for the open one alone'
 for field in area manifold oriented components nonmanifold_edges nonmanifold_vertices degenerate_faces \
     duplicate_vertices duplicate_faces unused_vertices first_pair; do
     [ "$(grep -c "^  $field: " "$tmp/out")" = 2 ] || bad "no field $field in each block"

@@ -53,6 +53,11 @@ static const char *const text_seed[][2] = {
      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\n"
      "facet normal nan nan nan\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex 0 1 "
      "0\nendloop\nendfacet\nendsolid a\n"},
+    {"vtp", "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\"><PolyData><Piece>\n<Points><DataArray "
+            "type=\"Float32\" format=\"ascii\">0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points>\n<Polys>\n"
+            "<DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3 0 2 3</DataArray>\n"
+            "<DataArray type=\"Int32\" Name=\"offsets\" format=\"binary\">CAAAAAQAAAAHAAAA</DataArray>\n"
+            "</Polys></Piece></PolyData></VTKFile>\n"},
 };
 
 static void add(sample *s, const void *data, size_t n)

@@ -252,7 +252,7 @@ test("files that cannot be had: nil and a message", function()
     local s, message = sinew.surface.load(dir .. "/none.obj")
     check(s == nil and message:find("none.obj: cannot open: No such file", 1, true), message)
     s, message = sinew.surface.load("thing.xyz")
-    check(s == nil and message:find("unknown surface format 'xyz' (known: .obj .ply .stl .off)", 1, true),
+    check(s == nil and message:find("unknown surface format 'xyz' (known: .obj .ply .stl .off .vtp)", 1, true),
           message)
     local file = io.open(dir .. "/bad.obj", "w")
     file:write("v 0 0 0\nv 1 0 0\nf 1 2 3\n")

@@ -331,6 +331,27 @@ static void soup_is_wrapped_within_the_tolerance(void **state)
     sn_tri_mesh_free(&soup);
 }
 
+/* The wrap is as fine as its alpha only where it would be too far away. */
+static void wrap_of_a_smooth_surface_has_few_faces(void **state)
+{
+    int32_t n_face[2];
+    (void)state;
+    for (int same = 0; same < 2; same++) {
+        sn_repair opt = sn_repair_defaults();
+        sn_repair_report r;
+        sn_tri_mesh m = made_soup(1.0);
+        opt.wrap = SN_WRAP_ALWAYS;
+        opt.tolerance = 0.12;
+        opt.alpha = same ? 0.06 : 0.0;
+        sn_tri_mesh out = repaired(&m, &opt, &r);
+        assert_true(r.moved <= opt.tolerance);
+        assert_true(fabs(r.alpha - 0.06) < 1e-12);
+        n_face[same] = out.n_face;
+        sn_tri_mesh_free(&out);
+    }
+    assert_true(n_face[0] < n_face[1] / 3);
+}
+
 static void wrap_that_cannot_keep_the_tolerance_is_refused(void **state)
 {
     sn_repair opt = sn_repair_defaults();
@@ -377,17 +398,17 @@ static void same_for_any_unit(void **state)
                 append_mesh(&m, &other, 0);
                 drop_faces(&m, 0, 2);
             }
-            scale_mesh(&m, i ? 1000.0 : 1.0);
+            scale_mesh(&m, i ? 1024.0 : 1.0);
             sn_repair opt = sn_repair_defaults();
-            opt.tolerance = wrap ? (i ? 80.0 : 0.08) : 0.0;
+            opt.tolerance = wrap ? (i ? 1024.0 : 1.0) * 0.08 : 0.0;
             out[i] = repaired(&m, &opt, &r[i]);
         }
         assert_int_equal(r[0].wrapped, wrap);
         assert_int_equal(r[1].wrapped, wrap);
         assert_int_equal(r[0].n_step, r[1].n_step);
         double v = sn_tri_mesh_volume(&out[0]);
-        assert_true(fabs(sn_tri_mesh_volume(&out[1]) * 1e-9 / v - 1.0) < (wrap ? 1e-3 : 1e-9));
-        assert_true(fabs(r[1].moved / 1000.0 - r[0].moved) < (wrap ? 0.01 : 1e-9));
+        assert_true(fabs(sn_tri_mesh_volume(&out[1]) / (1024.0 * 1024.0 * 1024.0) / v - 1.0) < (wrap ? 1e-3 : 1e-9));
+        assert_true(fabs(r[1].moved / 1024.0 - r[0].moved) < (wrap ? 0.01 : 1e-9));
         sn_tri_mesh_free(&out[0]);
         sn_tri_mesh_free(&out[1]);
     }
@@ -501,6 +522,7 @@ int main(void)
         cmocka_unit_test(crossings_can_be_left_to_nobody),
         cmocka_unit_test(inner_components),
         cmocka_unit_test(soup_is_wrapped_within_the_tolerance),
+        cmocka_unit_test(wrap_of_a_smooth_surface_has_few_faces),
         cmocka_unit_test(wrap_that_cannot_keep_the_tolerance_is_refused),
         cmocka_unit_test(wrap_of_an_open_bowl_is_a_shell),
         cmocka_unit_test(same_for_any_unit),

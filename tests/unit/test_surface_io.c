@@ -318,6 +318,63 @@ static void off_forms(void **state)
     check_loads("a.off", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", 3, 1, NULL); /* the keyword is optional */
 }
 
+#define VTP_HEAD                                                                                             \
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" "                                                   \
+    "compressor=\"vtkZLibDataCompressor\"><PolyData><Piece>\n"                                               \
+    "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">"                         \
+    "0 0 0 1 0 0 1 1 0 0 1 0</DataArray></Points>\n"                                                         \
+    "<Lines><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">9 9</DataArray></Lines>\n"
+#define VTP_ARRAY(name, numbers)                                                                             \
+    "<DataArray type=\"Int32\" Name=\"" name "\" format=\"ascii\">" numbers "</DataArray>"
+#define VTP_END "</Piece></PolyData></VTKFile>\n"
+
+/* A compressor may be named where nothing is compressed: OpenSim's bones do. */
+static void vtp_polygons(void **state)
+{
+    (void)state;
+    check_loads("a.vtp",
+                VTP_HEAD "<Polys>" VTP_ARRAY("connectivity", "0 1 2 3")
+                    VTP_ARRAY("offsets", "4") "</Polys>" VTP_END,
+                4, 2, quad_fan);
+    check_loads("a.VTP",
+                VTP_HEAD "<Polys>" VTP_ARRAY("offsets", "3 6")
+                    VTP_ARRAY("connectivity", "0 1 2\n0 2 3") "</Polys>"
+                                                              "<Strips>" VTP_ARRAY("connectivity",
+                                                                                   "7") "</Strips>" VTP_END,
+                4, 2, quad_fan);
+}
+
+static void vtp_messages(void **state)
+{
+    (void)state;
+    check_fails("a.vtp", "solid", "a.vtp:1: not a VTK XML file");
+    check_fails("a.vtp", "<VTKFile type=\"UnstructuredGrid\">", "need a VTKFile of type PolyData");
+    check_fails("a.vtp", VTP_HEAD, "truncated: no </VTKFile>");
+    check_fails("a.vtp", VTP_HEAD VTP_END, "a.vtp: no 'connectivity' in Polys");
+    check_fails("a.vtp", VTP_HEAD "<Polys>" VTP_ARRAY("connectivity", "0 1 2") "</Polys>" VTP_END,
+                "a.vtp: no 'offsets' in Polys");
+    check_fails("a.vtp",
+                VTP_HEAD "<Polys>" VTP_ARRAY("connectivity", "0 1 2")
+                    VTP_ARRAY("offsets", "4") "</Polys>" VTP_END,
+                "offset 1 is 4, need a whole number up to 3");
+    check_fails("a.vtp",
+                VTP_HEAD "<Polys>" VTP_ARRAY("connectivity", "0 1 2")
+                    VTP_ARRAY("offsets", "3 2") "</Polys>" VTP_END,
+                "polygon 2 has -1 corners, need 3 or more");
+    check_fails("a.vtp",
+                VTP_HEAD "<Polys>" VTP_ARRAY("connectivity", "0 1 4")
+                    VTP_ARRAY("offsets", "3") "</Polys>" VTP_END,
+                "cell 1 names point 4, need 0..3");
+    check_fails("a.vtp",
+                VTP_HEAD "<Polys>" VTP_ARRAY("connectivity", "") VTP_ARRAY("offsets", "") "</Polys>" VTP_END,
+                "a.vtp: no faces");
+    check_fails(
+        "a.vtp",
+        VTP_HEAD
+        "<Polys><DataArray type=\"Int32\" Name=\"offsets\" format=\"binary\">AAAA</DataArray>" VTP_END,
+        "compressed data is not read");
+}
+
 static void off_messages(void **state)
 {
     (void)state;
@@ -720,6 +777,8 @@ static void refused_paths_and_meshes(void **state)
     int before = count_files();
     assert_int_equal(sn_surface_save(&m, in_folder("x.fbx"), &err), SN_EINVAL);
     assert_non_null(strstr(err.msg, "unknown surface format 'fbx' (known: .obj .ply .stl .off)"));
+    assert_int_equal(sn_surface_save(&m, in_folder("x.vtp"), &err), SN_EINVAL); /* only read */
+    assert_non_null(strstr(err.msg, "unknown surface format 'vtp' (known: .obj .ply .stl .off)"));
     assert_int_equal(sn_surface_save(&m, in_folder("plain"), &err), SN_EINVAL);
     assert_int_equal(sn_surface_save(&m, in_folder("none/x.obj"), &err), SN_EIO);
     m.face[5] = 4;
@@ -862,6 +921,8 @@ int main(void)
         cmocka_unit_test(polygon_sizes),
         cmocka_unit_test(odd_polygons_give_n_minus_2),
         cmocka_unit_test(off_forms),
+        cmocka_unit_test(vtp_polygons),
+        cmocka_unit_test(vtp_messages),
         cmocka_unit_test(off_messages),
         cmocka_unit_test(stl_text),
         cmocka_unit_test(stl_text_messages),

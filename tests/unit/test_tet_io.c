@@ -564,7 +564,9 @@ static void vtu_messages(void **state)
     check_fails("v.vtu", "", "v.vtu:1: not a VTK XML file: no <VTKFile> at the start");
     check_fails("v.vtu", "<html>\n", "not a VTK XML file: no <VTKFile> at the start");
     check_fails("v.vtu", "<VTKFile type=\"PolyData\">\n", "v.vtu:1: need a VTKFile of type UnstructuredGrid");
-    check_fails("v.vtu", "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkZLibDataCompressor\">\n",
+    check_fails("v.vtu",
+                "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkZLibDataCompressor\">\n<Points>\n"
+                "<DataArray type=\"Float64\" format=\"binary\">AAAA</DataArray>",
                 "compressed data is not read: write the file without a compressor");
     check_fails(
         "v.vtu",
