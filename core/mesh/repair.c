@@ -28,6 +28,7 @@ typedef struct repair {
     sn_repair opt; /* with all lengths set */
     const sn_run *run;
     double diagonal;
+    bool may_fill_all;   /* the user has not said which holes to fill */
     sn_tri_mesh m;       /* the surface so far */
     sn_mesh_check check; /* of it */
     sn_repair_report *report;
@@ -78,6 +79,7 @@ static sn_status set_lengths(repair *r)
     if (r->in->n_face > INT32_MAX / 3)
         return sn_fail(r->err, SN_ELIMIT, "repair: %d faces, need at most %d", r->in->n_face, INT32_MAX / 3);
     if (o->weld < 0.0) o->weld = WELD_REL * r->diagonal;
+    r->may_fill_all = o->fill_holes < 0.0;
     if (o->fill_holes < 0.0) o->fill_holes = FILL_REL * r->diagonal;
     if (o->tolerance == 0.0)
         o->tolerance =
@@ -251,6 +253,15 @@ static sn_status untangle(repair *r)
     return st;
 }
 
+/* An open bowl: a wrap goes in and leaves a thin shell. With all its holes filled it is a body. */
+static sn_status close_bowl(repair *r)
+{
+    r->may_fill_all = false;
+    r->opt.fill_holes = 2.0 * r->diagonal;
+    sn_status st = orient_and_fill(r);
+    return st ? st : sort_components(r, r->opt.largest);
+}
+
 static sn_status wrap(repair *r)
 {
     sn_repair_step *s = add_step(r, "wrap");
@@ -266,6 +277,13 @@ static sn_status wrap(repair *r)
     s->moved = w.moved;
     r->report->alpha = w.alpha;
     r->report->offset = w.offset;
+    if (st && w.is_shell && r->may_fill_all) {
+        sn_tri_mesh_free(&made);
+        s->moved = 0.0;
+        st = close_bowl(r);
+        bool is_done = is_usable(&r->check) && r->opt.wrap != SN_WRAP_ALWAYS;
+        return st || is_done ? st : wrap(r);
+    }
     if (st) return st;
     r->report->wrapped = true;
     sn_tri_mesh_free(&r->m);

@@ -23,7 +23,8 @@ typedef enum sn_wrap { SN_WRAP_AUTO, SN_WRAP_ALWAYS, SN_WRAP_NEVER } sn_wrap;
 /* Lengths in the surface's unit. "diagonal": that of the input's bounding box. */
 typedef struct sn_repair {
     double weld;       /* vertices this near are joined; 0: only equal ones; < 0: 1e-6 diagonal             */
-    double fill_holes; /* largest diagonal of a hole's bounding box; 0: fill none; < 0: 0.25 diagonal */
+    double fill_holes; /* largest diagonal of a hole's bounding box; 0: fill none; < 0: 0.25 diagonal, and
+                          all where a wrap would go in through a larger one */
     bool untangle;     /* the step; without it crossings are left to the wrap                               */
     bool largest;      /* keep only the component with the largest volume                                   */
     sn_wrap wrap;      /* auto: when the other steps did not suffice; always: after weld, clean and fill    */

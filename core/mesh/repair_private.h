@@ -44,6 +44,7 @@ SN_MUST_USE sn_status sn_repair_missed(const sn_tri_mesh *m, const sn_tri_mesh *
 typedef struct sn_wrap_result {
     double alpha, offset, moved; /* alpha: the smallest one   */
     int32_t tries, laid_back;    /* laid_back: vertices moved onto the input */
+    bool is_shell;               /* failed: the wrap went in through a hole  */
 } sn_wrap_result;
 /* Wraps with opt->tolerance (> 0), alpha and offset (0: by itself). *result is set also on error.
  * Errors: SN_EMESH (tolerance not kept, or a wrap that went in through a hole), and those of the child. */

@@ -150,7 +150,10 @@ static sn_status wrap_once(const sn_tri_mesh *in, const sn_bvh *b, const sn_wrap
     r->tries++;
     sn_status st =
         sn_repair_in_child(SN_TASK_WRAP, in, (sn_repair_sizes){.wrap = *w}, opt, run, out, &none, err);
-    if (!st) st = check_wrap(out, w, err);
+    if (!st) {
+        st = check_wrap(out, w, err);
+        r->is_shell = st != SN_OK && out->n_face > 0;
+    }
     if (!st) st = lay_back(out, b, w->offset, run, &r->laid_back, err);
     return st ? st : sn_repair_moved(out, in, run, &r->moved, err);
 }

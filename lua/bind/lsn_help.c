@@ -54,7 +54,7 @@ static const help surfaces[] = {
      "\"auto\", "
      "\"always\", \"never\") a new surface is wrapped around all, not farther away than tolerance; it enters "
      "gaps wider than 2 alpha. Defaults by the diagonal of the bounds: weld 1e-6, fill_holes 0.25, tolerance "
-     "0.003 (more where the wrap would have over 400,000 faces). report: {steps={{name=, moved=, counts "
+     "0.003 (more where the wrap would have over 100,000 faces). report: {steps={{name=, moved=, counts "
      "...}, "
      "...}, wrapped=, moved=, missed=, check=}: moved is "
      "the largest distance of the result from s, missed that of what is seen of s from outside from the "

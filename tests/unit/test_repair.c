@@ -373,13 +373,19 @@ static void wrap_of_an_open_bowl_is_a_shell(void **state)
     opt.tolerance = 0.05;
     sn_tri_mesh m = unit_box();
     drop_faces(&m, 0, 2);
+    opt.fill_holes = 0.5;
     assert_fails(&m, &opt, NULL, SN_EMESH, "went in through a hole");
-    opt.fill_holes = 2.0;
-    sn_repair_report r;
-    sn_tri_mesh out = repaired(&m, &opt, &r);
-    assert_true(r.wrapped);
-    assert_true(fabs(sn_tri_mesh_volume(&out) - 1.0) < 0.1);
-    sn_tri_mesh_free(&out);
+    sn_tri_mesh_free(&m);
+    for (int i = 0; i < 2; i++) { /* by default it is filled when that shows */
+        opt.fill_holes = i ? -1.0 : 2.0;
+        sn_repair_report r;
+        m = unit_box();
+        drop_faces(&m, 0, 2);
+        sn_tri_mesh out = repaired(&m, &opt, &r);
+        assert_true(r.wrapped);
+        assert_true(fabs(sn_tri_mesh_volume(&out) - 1.0) < 0.1);
+        sn_tri_mesh_free(&out);
+    }
 }
 
 static void same_for_any_unit(void **state)
