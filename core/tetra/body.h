@@ -60,7 +60,7 @@ typedef struct sn_body_report {
     int64_t crossings_cured;  /* pairs of faces that rounding left crossing after the union                */
     bool was_resampled;       /* the exact union could not be used: surfaces were sampled on a lattice     */
     double bone_volume_exact; /* of the union of the bones within the skin, before remeshing               */
-    double bone_volume;       /* the same of the mesh                                                      */
+    double bone_volume;       /* the same after it; both before a half is cut off                           */
     int32_t n_dropped;        /* tets of tissue that bone shuts off from the skin: dropped                 */
     double dropped_volume;
     double min_dihedral_deg, max_dihedral_deg;

@@ -18,9 +18,6 @@ SN_MUST_USE sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh
  * SN_EMESH, SN_ENOMEM. */
 SN_MUST_USE sn_status sn_body_cut_surface(sn_tri_mesh *m, const sn_body_options *opt, int32_t n_bone,
                                           const sn_run *run, sn_error *err);
-/* After remeshing: the cap exactly in the plane, all else above it. Errors: SN_ENOMEM. */
-SN_MUST_USE sn_status sn_body_keep_side(sn_tri_mesh *m, const sn_body_options *opt, int32_t n_bone,
-                                        sn_error *err);
 /* TetGen in a child process, then labels and adjacency. */
 SN_MUST_USE sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_options *opt, const sn_run *run,
                                    sn_body *out, sn_body_report *report, sn_error *err);

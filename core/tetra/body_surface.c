@@ -3,7 +3,6 @@
 #include "base/alloc.h"
 #include "base/child.h"
 #include "mesh/bvh.h"
-#include "mesh/mesh_check.h"
 #include "mesh/polygonize.h"
 #include "mesh/remesh.h"
 #include "tetra/body_private.h"
@@ -264,27 +263,17 @@ static double bone_volume(const sn_tri_mesh *m, int32_t n_bone, sn_vec3 o)
     return sum;
 }
 
-static sn_status keep_side(sn_tri_mesh *m, const sn_body_options *opt, int32_t n_bone, const sn_run *run,
-                           int64_t *crossings, sn_error *err)
-{
-    sn_mesh_check c;
-    sn_status st = sn_body_keep_side(m, opt, n_bone, err);
-    if (!st) st = sn_mesh_check_run(&c, m, run, err);
-    if (!st) *crossings = c.self_intersections;
-    return st;
-}
-
 /* Remeshes until the bones keep their volume and nothing crosses. *clean: nothing crosses. */
 static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32_t n_bone, const sn_run *run,
                         sn_tri_mesh *out, bool *clean, sn_body_report *report, sn_error *err)
 {
-    double *length = SN_NEW(double, n_bone + 2);
+    double *length = SN_NEW(double, n_bone + 1);
     if (!length) return sn_fail(err, SN_ENOMEM, "body: no memory");
-    for (int32_t i = 0; i < n_bone + 2; i++)
+    for (int32_t i = 0; i <= n_bone; i++)
         length[i] = is_bone(i, n_bone) ? opt->bone_edge_length : opt->edge_length;
     sn_remesh r = {.edge_length = opt->edge_length,
                    .label_length = length,
-                   .n_label = n_bone + 2,
+                   .n_label = n_bone + 1,
                    .max_deviation = 0.08};
     sn_remesh_report rr = {0};
     sn_status st = SN_OK;
@@ -292,7 +281,6 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
     report->bone_volume_exact = bone_volume(in, n_bone, centre);
     for (int i = 0; i < REMESH_TRIES; i++) {
         st = sn_remesh_run(in, &r, run, out, &rr, err);
-        if (!st && opt->has_cut) st = keep_side(out, opt, n_bone, run, &rr.crossings_after, err);
         if (st) break;
         report->bone_volume = bone_volume(out, n_bone, centre);
         double change = fabs(report->bone_volume - report->bone_volume_exact);
@@ -320,7 +308,6 @@ sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bon
         st = exact_difference(&job, opt, run, &raw, &why);
         if (!st && raw.n_face == 0)
             st = sn_fail(&why, SN_EMESH, "the bones leave no soft tissue inside the skin");
-        if (!st && opt->has_cut) st = sn_body_cut_surface(&raw, opt, n_bone, run, &why);
         if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, &why);
         if (st && st != SN_EMESH) {
             if (err) *err = why;
@@ -333,11 +320,11 @@ sn_status sn_body_surface(const sn_tri_mesh *skin, const sn_tri_mesh *const *bon
     if (!clean) {
         report->was_resampled = true;
         st = sampled_difference(&job, opt, run, &raw, err);
-        if (!st && opt->has_cut) st = sn_body_cut_surface(&raw, opt, n_bone, run, err);
         if (!st) st = remesh(&raw, opt, n_bone, run, out, &clean, report, err);
         if (!st && !clean)
             st = sn_fail(err, SN_EMESH, "the surfaces cross each other and could not be mended");
     }
+    if (!st && opt->has_cut) st = sn_body_cut_surface(out, opt, n_bone, run, err);
     report->n_surface_face = out->n_face;
 done:
     sn_tri_mesh_free(&raw);

@@ -1,6 +1,7 @@
 /* TetGen in a child process; then labels, adjacency, and the tissue that bone shuts off dropped. */
 #include "base/alloc.h"
 #include "base/array.h"
+#include "base/plane.h"
 #include "base/child.h"
 #include "mesh/bvh.h"
 #include "mesh/mesh_check.h"
@@ -299,6 +300,44 @@ static sn_status drop_shut_off(sn_body *b, sn_body_report *report, sn_error *err
     return st;
 }
 
+/* ---- caps of half models ---- */
+
+/* TetGen's new points in the plane miss it by a rounding error: they are moved onto it. on_plane: n_vert. */
+static sn_status flatten(sn_tet_mesh *m, const sn_body_options *opt, bool *on_plane, sn_error *err)
+{
+    sn_plane plane;
+    sn_status st = sn_plane_make(&plane, "cut", opt->cut_point, opt->cut_normal, err);
+    for (int32_t v = 0; !st && v < m->n_vert; v++) {
+        sn_vec3 p = sn_tet_mesh_point(m, v);
+        on_plane[v] = fabs(sn_plane_height(&plane, p)) < SN_PLANE_REL;
+        if (on_plane[v]) sn_v3_store(m->pos + 3 * (size_t)v, sn_plane_project(&plane, p));
+    }
+    return st;
+}
+
+/* Tets with all corners in the plane have no volume: what lies behind them becomes the cap. */
+static sn_status flatten_cap(sn_body *b, const sn_body_options *opt, sn_error *err)
+{
+    sn_tet_mesh *m = &b->mesh;
+    bool *on_plane = SN_NEW(bool, m->n_vert), *keep = SN_NEW(bool, m->n_tet);
+    sn_status st =
+        on_plane && keep ? flatten(m, opt, on_plane, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    int32_t cap = -1, n_flat = 0;
+    for (int32_t t = 0; !st && t < m->n_tet; t++) {
+        const int32_t *v = m->tet + 4 * (size_t)t;
+        keep[t] = !(on_plane[v[0]] && on_plane[v[1]] && on_plane[v[2]] && on_plane[v[3]]);
+        n_flat += !keep[t];
+        for (int k = 0; k < 4 && !keep[t]; k++)
+            if (b->across[4 * (size_t)t + (size_t)k] < 0) cap = b->across[4 * (size_t)t + (size_t)k];
+    }
+    for (size_t h = 0; !st && n_flat > 0 && h < 4 * (size_t)m->n_tet; h++)
+        if (keep[h / 4] && b->across[h] >= 0 && !keep[b->across[h]]) b->across[h] = cap;
+    if (!st && n_flat > 0) st = compact(b, keep, err);
+    sn_release(on_plane);
+    sn_release(keep);
+    return st;
+}
+
 /* ---- the whole ---- */
 
 static sn_status unpack(const char *data, size_t size, sn_vec3 origin, double scale, sn_body *out,
@@ -358,6 +397,7 @@ sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_options *opt, c
     sn_status st = make_job(surface, opt, box.min, scale, &job, err);
     if (!st) st = sn_child_run(&child, tetgen_in_child, &job, run, &data, &size, err);
     if (!st) st = unpack(data, size, box.min, scale, out, err);
+    if (!st && opt->has_cut) st = flatten_cap(out, opt, err);
     if (!st) st = drop_shut_off(out, report, err);
     if (!st) st = sn_tet_mesh_validate(&out->mesh, err);
     report->seconds_tets = sn_clock() - start;
