@@ -70,6 +70,7 @@ void lsn_read_camera(lua_State *L, int arg, const sn_scene *s, int32_t width, in
     double aspect = (double)width / (double)height;
     sn_box3 box = sn_scene_bounds(s);
     sn_error err;
+    int top = lua_gettop(L);
     if (sn_box3_is_empty(box))
         (void)lsn_fail(L, SN_EINVAL, "render: the scene has nothing to show: no skin, no bones, no muscles");
     bool is_name = lsn_has(L, arg, "camera") && lua_getfield(L, arg, "camera") == LUA_TSTRING;
@@ -84,4 +85,5 @@ void lsn_read_camera(lua_State *L, int arg, const sn_scene *s, int32_t width, in
         (void)lsn_option_error(L, arg, "camera", "name of a view or table expected, got %s",
                                luaL_typename(L, -1));
     }
+    lua_settop(L, top);
 }
