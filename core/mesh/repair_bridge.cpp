@@ -1,7 +1,7 @@
 #include "mesh/repair_bridge.h"
 
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include "mesh/exact_points.hpp"
+
 #include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
@@ -12,7 +12,6 @@
 #include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
-#include <CGAL/Surface_mesh.h>
 
 #include <array>
 #include <cmath>
@@ -26,15 +25,10 @@ namespace PMP = CGAL::Polygon_mesh_processing;
 namespace
 {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
+using namespace sn_exact;
 using Point = Kernel::Point_3;
-using Mesh = CGAL::Surface_mesh<Point>;
-using Face = Mesh::Face_index;
-using Vertex = Mesh::Vertex_index;
 using Halfedge = Mesh::Halfedge_index;
 using Triple = std::array<size_t, 3>;
-using Exact_map = Mesh::Property_map<Vertex, Exact::Point_3>;
 
 constexpr double PULL = 1e-3;     /* of the way to the middle of a vertex's neighbours */
 constexpr double MAY_LOSE = 0.05; /* of a component's volume */
@@ -201,26 +195,6 @@ sn_status orient_fill(const sn_tri_mesh *in, double hole_size, double crumb_area
 }
 
 /* ---- self-intersections ---- */
-
-/* Points that CGAL reads and writes exactly; the mesh's own double points follow. */
-struct Exact_points {
-    typedef boost::read_write_property_map_tag category;
-    typedef Exact::Point_3 value_type;
-    typedef value_type reference;
-    typedef Vertex key_type;
-    Exact_map exact;
-    Mesh *mesh;
-    friend reference get(const Exact_points &m, key_type v)
-    {
-        return m.exact[v];
-    }
-    friend void put(const Exact_points &m, key_type v, const value_type &p)
-    {
-        CGAL::Cartesian_converter<Exact, Kernel> round;
-        m.exact[v] = p;
-        m.mesh->point(v) = round(p);
-    }
-};
 
 struct Part {
     Mesh mesh;

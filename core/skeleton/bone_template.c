@@ -94,6 +94,8 @@ sn_status sn_bone_template_check(const sn_bone_template *t, sn_error *err)
     if (!st) st = check_handles(t, err);
     if (!st) st = check_landmarks(t, err);
     if (!st && t->cage.n_face > 0) st = check_closed(t, "cage", &t->cage, err);
+    if (!st && t->skin.n_face > 0 && (st = sn_tri_mesh_validate(&t->skin, err)))
+        st = sn_fail_prefix(err, st, "template '%s': skin: ", t->name);
     if (!st && (t->cage.n_face > 0) != (t->skin.n_face > 0))
         st = sn_fail(err, SN_EINVAL, "template '%s': it has a %s but no %s: fitting needs both", t->name,
                      t->cage.n_face > 0 ? "cage" : "skin", t->cage.n_face > 0 ? "skin" : "cage");

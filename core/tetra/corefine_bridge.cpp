@@ -1,11 +1,9 @@
 #include "tetra/corefine_bridge.h"
 
 #include "base/alloc.h"
+#include "mesh/exact_points.hpp"
 
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
-#include <CGAL/Surface_mesh.h>
 
 #include <map>
 #include <new>
@@ -13,35 +11,11 @@
 
 namespace PMP = CGAL::Polygon_mesh_processing;
 
-namespace {
+namespace
+{
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Face = Mesh::Face_index;
-using Vertex = Mesh::Vertex_index;
+using namespace sn_exact;
 using Label_map = Mesh::Property_map<Face, int32_t>;
-using Exact_map = Mesh::Property_map<Vertex, Exact::Point_3>;
-
-/* Points that CGAL reads and writes exactly; the mesh's own double points follow. */
-struct Exact_points {
-    typedef boost::read_write_property_map_tag category;
-    typedef Exact::Point_3 value_type;
-    typedef value_type reference;
-    typedef Vertex key_type;
-    Exact_map exact;
-    Mesh *mesh;
-    friend reference get(const Exact_points &m, key_type v)
-    {
-        return m.exact[v];
-    }
-    friend void put(const Exact_points &m, key_type v, const value_type &p)
-    {
-        CGAL::Cartesian_converter<Exact, Kernel> round;
-        m.exact[v] = p;
-        m.mesh->point(v) = round(p);
-    }
-};
 
 /* Carries face labels through the cuts. */
 struct Label_visitor : public PMP::Corefinement::Default_visitor<Mesh> {
@@ -136,19 +110,21 @@ sn_status corefine(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int3
     for (int32_t i = 1; i < n_bone; i++) {
         Labelled one;
         if (!one.fill(*bone[i], 1 + i)) return sn_fail(err, SN_EMESH, "bone %d: not manifold", i + 1);
-        if (!boolean(all, one, false)) return sn_fail(err, SN_EMESH, "union with bone %d: not manifold", i + 1);
+        if (!boolean(all, one, false))
+            return sn_fail(err, SN_EMESH, "union with bone %d: not manifold", i + 1);
     }
     if (!skin) return export_mesh(all, out, err);
     Labelled body;
     if (!body.fill(*skin, 0)) return sn_fail(err, SN_EMESH, "skin: not manifold");
-    if (n_bone > 0 && !boolean(body, all, true)) return sn_fail(err, SN_EMESH, "skin minus bones: not manifold");
+    if (n_bone > 0 && !boolean(body, all, true))
+        return sn_fail(err, SN_EMESH, "skin minus bones: not manifold");
     return export_mesh(body, out, err);
 }
 
 } // namespace
 
-sn_status sn_corefine(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone, sn_tri_mesh *out,
-                      sn_error *err)
+sn_status sn_corefine(const sn_tri_mesh *skin, const sn_tri_mesh *const *bone, int32_t n_bone,
+                      sn_tri_mesh *out, sn_error *err)
 {
     try {
         return corefine(skin, bone, n_bone, out, err);

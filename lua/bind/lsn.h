@@ -70,6 +70,12 @@ void lsn_warn(lua_State *L, const char *fmt, ...) SN_PRINTF(2, 3); /* one line t
 void lsn_flush_notes(lua_State *L, sn_scene *s);
 
 /* ---- arguments ---- */
+/* Options `point` (the origin when there is none) and `normal` of the table at arg, which has no others. */
+void lsn_read_plane(lua_State *L, int arg, sn_vec3 *point, sn_vec3 *normal);
+/* Options `axis` and `degrees` of the table at arg; the axis has a length. */
+void lsn_read_turn(lua_State *L, int arg, sn_vec3 *axis, double *degrees);
+/* The same of option `rotate` at arg; false, and nothing read, when there is none. */
+bool lsn_opt_turn(lua_State *L, int arg, sn_vec3 *axis, double *degrees);
 /* The table at arg (none or nil: no options) holds only these keys: else "unknown option 'lenght' (did you
  * mean 'length'? known: length, ...)". Of several unknown keys the first in the alphabet is named. */
 void lsn_check_keys(lua_State *L, int arg, const char *const keys[]);

@@ -310,3 +310,31 @@ const double *lsn_push_each(lua_State *L, int arg, const char *key, int32_t n, c
     }
     return each;
 }
+
+/* ---- planes and turns ---- */
+
+void lsn_read_plane(lua_State *L, int arg, sn_vec3 *point, sn_vec3 *normal)
+{
+    static const char *const keys[] = {"point", "normal", NULL};
+    lsn_check_keys(L, arg, keys);
+    *point = lsn_opt_point(L, arg, "point", sn_v3(0, 0, 0), false);
+    *normal = lsn_opt_point(L, arg, "normal", *point, true);
+}
+
+void lsn_read_turn(lua_State *L, int arg, sn_vec3 *axis, double *degrees)
+{
+    *axis = lsn_opt_point(L, arg, "axis", sn_v3(0, 0, 0), true);
+    if (!(sn_v3_len2(*axis) > 0.0)) (void)lsn_option_error(L, arg, "axis", "has no length");
+    if (!lsn_has(L, arg, "degrees")) (void)lsn_option_error(L, arg, NULL, "option 'degrees' is missing");
+    *degrees = lsn_opt_number(L, arg, "degrees", 0.0);
+}
+
+bool lsn_opt_turn(lua_State *L, int arg, sn_vec3 *axis, double *degrees)
+{
+    static const char *const keys[] = {"axis", "degrees", NULL};
+    if (!lsn_enter(L, arg, "rotate")) return false;
+    lsn_check_keys(L, arg, keys);
+    lsn_read_turn(L, arg, axis, degrees);
+    lsn_leave(L, arg);
+    return true;
+}

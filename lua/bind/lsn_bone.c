@@ -104,10 +104,9 @@ static int bone_rotate(lua_State *L) /* bone:rotate{axis=, degrees=, about=} -> 
     lua_settop(L, 2);
     luaL_checktype(L, 2, LUA_TTABLE);
     lsn_check_keys(L, 2, keys);
-    sn_vec3 axis = lsn_opt_point(L, 2, "axis", sn_v3(0, 0, 0), true);
-    if (!(sn_v3_len2(axis) > 0.0)) return lsn_option_error(L, 2, "axis", "has no length");
-    if (!lsn_has(L, 2, "degrees")) return lsn_option_error(L, 2, NULL, "option 'degrees' is missing");
-    double degrees = lsn_opt_number(L, 2, "degrees", 0.0);
+    sn_vec3 axis;
+    double degrees;
+    lsn_read_turn(L, 2, &axis, &degrees);
     sn_affine map = sn_affine_rotation(axis, degrees, lsn_opt_point(L, 2, "about", centre_of(s, i), false));
     map_bone(L, s, i, &map);
     lua_settop(L, 1);

@@ -26,7 +26,8 @@ static const help general[] = {
 };
 
 static const help surfaces[] = {
-    {"sinew.surface.load", "sinew.surface.load(path) -> surface | nil, message  reads .obj .ply .stl .off .vtp"},
+    {"sinew.surface.load",
+     "sinew.surface.load(path) -> surface | nil, message  reads .obj .ply .stl .off .vtp"},
     {"sinew.surface.new", "sinew.surface.new(vertices, faces) -> surface  from a list of points and a list "
                           "of {a, b, c}, indices from 1"},
     {"surface:save", "s:save(path [, {ascii=false}]) -> true | nil, message  writes .obj .ply .stl .off"},

@@ -194,17 +194,6 @@ static const double *push_along(lua_State *L, const sn_scene *s, const sn_curve_
     return point;
 }
 
-static void read_plane(lua_State *L, sn_curve_options *o)
-{
-    static const char *const keys[] = {"point", "normal", NULL};
-    if (!lsn_enter(L, opts, "plane")) return;
-    lsn_check_keys(L, opts, keys);
-    o->has_plane = true;
-    o->plane_point = lsn_opt_point(L, opts, "point", o->plane_point, false);
-    o->plane_normal = lsn_opt_point(L, opts, "normal", o->plane_normal, true);
-    lsn_leave(L, opts);
-}
-
 /* {a, b} under key. */
 static void read_pair(lua_State *L, const char *key, double *a, double *b)
 {
@@ -239,7 +228,11 @@ static int place_row(lua_State *L, sn_scene *s, const sn_bone_placing *p)
     o.n_control = lsn_opt_int(L, opts, "control_points", 0);
     read_pair(L, "range", &o.first, &o.last);
     read_pair(L, "size", &o.size[0], &o.size[1]);
-    read_plane(L, &o);
+    o.has_plane = lsn_enter(L, opts, "plane");
+    if (o.has_plane) {
+        lsn_read_plane(L, opts, &o.plane_point, &o.plane_normal);
+        lsn_leave(L, opts);
+    }
     const double *point = push_along(L, s, &o, &n);
     lsn_scene_must(L, s, sn_scene_place_row(s, p, point, n, &o, run_of(L), &r, &n_piece, &clear, &err), &err);
     lua_createtable(L, 0, 7);
@@ -284,17 +277,6 @@ static void push_fit(lua_State *L, const sn_fit_result *f)
     lsn_set_integer(L, "crossings_before", f->n_crossing_before);
 }
 
-static void read_turn(lua_State *L, sn_shape_options *o)
-{
-    static const char *const keys[] = {"axis", "degrees", NULL};
-    if (!lsn_enter(L, opts, "rotate")) return;
-    lsn_check_keys(L, opts, keys);
-    sn_vec3 axis = lsn_opt_point(L, opts, "axis", sn_v3(0, 0, 0), true);
-    if (!(sn_v3_len2(axis) > 0.0)) (void)lsn_option_error(L, opts, "axis", "has no length");
-    o->turn = sn_affine_rotation(axis, lsn_opt_number(L, opts, "degrees", 0.0), sn_v3(0, 0, 0));
-    lsn_leave(L, opts);
-}
-
 static void read_fit(lua_State *L, sn_shape_options *o)
 {
     o->fit.rigid.max_iterations = o->fit.cage.icp.max_iterations = lsn_opt_int(L, opts, "iterations", 0);
@@ -324,7 +306,9 @@ static int place_shape(lua_State *L, sn_scene *s, const sn_bone_placing *p)
     lsn_check_keys(L, opts, keys);
     o.size = lsn_opt_positive(L, opts, "size", 0.0);
     o.is_fitted = lsn_opt_bool(L, opts, "fit", false);
-    read_turn(L, &o);
+    sn_vec3 axis;
+    double degrees;
+    if (lsn_opt_turn(L, opts, &axis, &degrees)) o.turn = sn_affine_rotation(axis, degrees, sn_v3(0, 0, 0));
     read_fit(L, &o);
     sn_pick at = read_pick(L, s, "at");
     sn_fit_result *fit = lsn_new_object(L, fit_type, sizeof *fit, 0);

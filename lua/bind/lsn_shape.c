@@ -162,19 +162,11 @@ static sn_vec3 opt_scale(lua_State *L, int arg)
 static int shape_transform(lua_State *L) /* s:transform{scale=, rotate={axis=, degrees=}, translate=} */
 {
     static const char *const keys[] = {"scale", "rotate", "translate", NULL};
-    static const char *const turn[] = {"axis", "degrees", NULL};
     sn_shape *s = lsn_check_shape(L, 1);
     lsn_check_keys(L, 2, keys);
     sn_shape_placement t = {.scale = opt_scale(L, 2)};
     t.translate = lsn_opt_point(L, 2, "translate", t.translate, false);
-    if (lsn_enter(L, 2, "rotate")) {
-        lsn_check_keys(L, 2, turn);
-        t.axis = lsn_opt_point(L, 2, "axis", t.axis, true);
-        if (!(sn_v3_len2(t.axis) > 0.0)) return lsn_option_error(L, 2, "axis", "has no length");
-        if (!lsn_has(L, 2, "degrees")) return lsn_option_error(L, 2, NULL, "option 'degrees' is missing");
-        t.angle_deg = lsn_opt_number(L, 2, "degrees", 0.0);
-        lsn_leave(L, 2);
-    }
+    (void)lsn_opt_turn(L, 2, &t.axis, &t.angle_deg);
     sn_error err;
     return made(L, sn_shape_transform(push_shape(L), s, &t, &err), &err);
 }

@@ -1,15 +1,6 @@
 /* lsn_skeleton.c - what concerns all bones of a scene: joints, the other side, half models. */
 #include "lsn.h"
 
-/* Options `point` and `normal` of the table at arg. */
-static void read_plane(lua_State *L, int arg, sn_vec3 *point, sn_vec3 *normal)
-{
-    static const char *const keys[] = {"point", "normal", NULL};
-    lsn_check_keys(L, arg, keys);
-    *point = lsn_opt_point(L, arg, "point", sn_v3(0, 0, 0), false);
-    *normal = lsn_opt_point(L, arg, "normal", sn_v3(0, 0, 0), true);
-}
-
 int lsn_scene_mirror_bones(
     lua_State *L) /* scene:mirror_bones{plane={point=, normal=}} -> {added=, replaced=} */
 {
@@ -21,7 +12,7 @@ int lsn_scene_mirror_bones(
     lua_settop(L, 2);
     lsn_check_keys(L, 2, keys);
     if (lsn_enter(L, 2, "plane")) {
-        read_plane(L, 2, &point, &normal);
+        lsn_read_plane(L, 2, &point, &normal);
         lsn_leave(L, 2);
     } else {
         (void)sn_scene_cut_plane(s, &point, &normal);
@@ -45,7 +36,7 @@ int lsn_scene_cut(lua_State *L) /* scene:cut{point=, normal=}; scene:cut(nil) ma
     }
     luaL_checktype(L, 2, LUA_TTABLE);
     lua_settop(L, 2);
-    read_plane(L, 2, &point, &normal);
+    lsn_read_plane(L, 2, &point, &normal);
     lsn_scene_must(L, s, sn_scene_cut(s, point, normal, &err), &err);
     return 0;
 }

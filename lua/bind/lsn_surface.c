@@ -250,34 +250,24 @@ static sn_tri_mesh *push_copy(lua_State *L, const surface *s)
 static int surface_transform(
     lua_State *L) /* s:transform{scale=, rotate={axis=, degrees=}, translate=} -> s */
 {
-    static const char *const keys[] = {"scale", "rotate", "translate", NULL}, *const turn[] = {
-                                                                                  "axis", "degrees", NULL};
+    static const char *const keys[] = {"scale", "rotate", "translate", NULL};
     surface *s = check_surface(L, 1);
     sn_transform t = {.scale = 1.0};
     sn_error err;
     lsn_check_keys(L, 2, keys);
     t.scale = lsn_opt_positive(L, 2, "scale", 1.0);
     t.translate = lsn_opt_point(L, 2, "translate", t.translate, false);
-    if (lsn_enter(L, 2, "rotate")) {
-        lsn_check_keys(L, 2, turn);
-        t.axis = lsn_opt_point(L, 2, "axis", t.axis, true);
-        if (!(sn_v3_len2(t.axis) > 0.0)) return lsn_option_error(L, 2, "axis", "has no length");
-        if (!lsn_has(L, 2, "degrees")) return lsn_option_error(L, 2, NULL, "option 'degrees' is missing");
-        t.angle_deg = lsn_opt_number(L, 2, "degrees", 0.0);
-        lsn_leave(L, 2);
-    }
+    (void)lsn_opt_turn(L, 2, &t.axis, &t.angle_deg);
     sn_tri_mesh *m = push_copy(L, s);
     return adopt(L, s, sn_tri_mesh_transform(m, &t, &err), &err);
 }
 
 static int surface_mirror(lua_State *L) /* s:mirror{point=, normal=} -> s */
 {
-    static const char *const keys[] = {"point", "normal", NULL};
     surface *s = check_surface(L, 1);
     sn_error err;
-    lsn_check_keys(L, 2, keys);
-    sn_vec3 point = lsn_opt_point(L, 2, "point", sn_v3(0.0, 0.0, 0.0), false);
-    sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
+    sn_vec3 point, normal;
+    lsn_read_plane(L, 2, &point, &normal);
     sn_tri_mesh *m = push_copy(L, s);
     return adopt(L, s, sn_tri_mesh_mirror(m, point, normal, &err), &err);
 }
@@ -286,12 +276,10 @@ static int surface_mirror(lua_State *L) /* s:mirror{point=, normal=} -> s */
 
 static int surface_cut(lua_State *L) /* s:cut{point=, normal=} -> surface */
 {
-    static const char *const keys[] = {"point", "normal", NULL};
     const sn_tri_mesh *m = lsn_check_surface(L, 1);
     sn_error err;
-    lsn_check_keys(L, 2, keys);
-    sn_vec3 point = lsn_opt_point(L, 2, "point", sn_v3(0.0, 0.0, 0.0), false);
-    sn_vec3 normal = lsn_opt_point(L, 2, "normal", point, true);
+    sn_vec3 point, normal;
+    lsn_read_plane(L, 2, &point, &normal);
     sn_tri_mesh *out = lsn_push_surface(L);
     if (sn_tri_mesh_cut(m, point, normal, 0, &lsn_get_state(L)->run, out, NULL, &err))
         return lsn_raise(L, &err);
