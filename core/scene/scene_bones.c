@@ -144,6 +144,12 @@ const sn_tri_mesh *sn_scene_bone_mesh(const sn_scene *s, int32_t i_bone)
     return s->has_cut ? &s->bone[i_bone].half : &s->bone[i_bone].mesh;
 }
 
+sn_vec3 sn_scene_bone_centre(const sn_scene *s, int32_t i_bone)
+{
+    sn_box3 box = sn_tri_mesh_bounds(&s->bone[i_bone].mesh);
+    return sn_v3_lerp(box.min, box.max, 0.5);
+}
+
 /* ---- landmarks and ends ---- */
 
 bool sn_scene_bone_ends(const sn_scene *s, int32_t i_bone, sn_vec3 *from, sn_vec3 *to)
@@ -316,19 +322,36 @@ static int32_t find_quietly(const sn_scene *s, const char *name)
     return -1;
 }
 
-/* Bone i's image, as a new bone or in the place of the one there is. */
-static sn_status mirror_bone(sn_scene *s, int32_t i, const char *name, const sn_affine *map, int32_t *n_added,
-                             int32_t *n_replaced, sn_error *err)
+/* The images of all bones of a side, checked and cut, so that putting them into the scene cannot fail any
+ * more but for memory. at: the bone that each replaces, or -1. */
+static sn_status make_images(const sn_scene *s, const sn_affine *map, scene_bone *image, int32_t *at,
+                             int32_t *n, sn_error *err)
 {
-    scene_bone image;
-    int32_t at = find_quietly(s, name);
-    sn_status st = copy_mapped(&s->bone[i], name, map, &image, err);
-    if (st) return st;
-    st = sn_scene_put_bone(s, at, &image, err);
-    if (st)
-        sn_scene_free_bone(&image);
-    else
-        ++*(at < 0 ? n_added : n_replaced);
+    for (int32_t i = 0; i < s->n_bone; i++) {
+        char other[160];
+        bool has_side = sn_side_name_swap(s->bone[i].name, other, sizeof other);
+        if (!has_side || (sn_side_of(s->bone[i].name) == SN_SIDE_RIGHT && find_quietly(s, other) >= 0))
+            continue;
+        at[*n] = find_quietly(s, other);
+        sn_status st = copy_mapped(&s->bone[i], other, map, &image[*n], err);
+        if (st) return st;
+        ++*n;
+        st = at[*n - 1] < 0 ? new_bone_name(s, other, err) : SN_OK;
+        if (!st) st = cut_bone(s, &image[*n - 1], err);
+        if (st) return st;
+    }
+    if (*n > 0) return SN_OK;
+    return sn_fail(
+        err, SN_EINVAL,
+        "mirror_bones: no bone has a side: names of a side end in _l or _r (or .l, _L, _left ...)");
+}
+
+static sn_status put_images(sn_scene *s, scene_bone *image, const int32_t *at, int32_t n, sn_error *err)
+{
+    if (!sn_grow(&s->bone, &s->cap_bone, (size_t)(s->n_bone + n), sizeof *s->bone))
+        return sn_scene_no_memory(err);
+    sn_status st = SN_OK;
+    for (int32_t i = 0; i < n && !st; i++) st = sn_scene_put_bone(s, at[i], &image[i], err);
     return st;
 }
 
@@ -336,22 +359,22 @@ sn_status sn_scene_mirror_bones(sn_scene *s, sn_vec3 point, sn_vec3 normal, int3
                                 int32_t *n_replaced, sn_error *err)
 {
     sn_plane plane;
-    sn_status st = sn_plane_make(&plane, "mirror_bones", point, normal, err);
     sn_affine map = sn_affine_identity();
-    int32_t n = s->n_bone;
+    int32_t n = 0, *at = SN_NEW(int32_t, s->n_bone);
+    scene_bone *image = SN_NEW_ZERO(scene_bone, s->n_bone);
     *n_added = *n_replaced = 0;
+    sn_status st =
+        at && image ? sn_plane_make(&plane, "mirror_bones", point, normal, err) : sn_scene_no_memory(err);
     for (int k = 0; !st && k < 3; k++) map.col[k] = sn_plane_reflect_vector(&plane, map.col[k]);
     if (!st) map.t = sn_plane_reflect(&plane, sn_v3(0, 0, 0));
-    for (int32_t i = 0; i < n && !st; i++) {
-        char other[160];
-        bool has_side = sn_side_name_swap(s->bone[i].name, other, sizeof other);
-        if (!has_side || (sn_side_of(s->bone[i].name) == SN_SIDE_RIGHT && find_quietly(s, other) >= 0))
-            continue;
-        st = mirror_bone(s, i, other, &map, n_added, n_replaced, err);
+    if (!st) st = make_images(s, &map, image, at, &n, err);
+    if (!st) st = put_images(s, image, at, n, err);
+    if (!st) st = sn_scene_mirror_joints(s, point, normal, err);
+    for (int32_t i = 0; i < n; i++) {
+        ++*(at[i] < 0 ? n_added : n_replaced);
+        sn_scene_free_bone(&image[i]);
     }
-    if (!st && *n_added + *n_replaced == 0)
-        st = sn_fail(
-            err, SN_EINVAL,
-            "mirror_bones: no bone has a side: names of a side end in _l or _r (or .l, _L, _left ...)");
-    return st ? st : sn_scene_mirror_joints(s, point, normal, err);
+    sn_release(at);
+    sn_release(image);
+    return st;
 }

@@ -65,6 +65,8 @@ SN_MUST_USE sn_status sn_scene_place_shape(sn_scene *s, const sn_bone_placing *p
 SN_MUST_USE sn_status sn_scene_units_per_metre(const sn_scene *s, double *out, sn_error *err);
 
 /* ---- editing ---- */
+/* The middle of the box of the whole bone, also in a half model. */
+sn_vec3 sn_scene_bone_centre(const sn_scene *s, int32_t i_bone);
 /* Errors: SN_EINVAL (a map that is not finite or flattens). */
 SN_MUST_USE sn_status sn_scene_map_bone(sn_scene *s, int32_t i_bone, const sn_affine *map, sn_error *err);
 /* Takes a bone with ends to new ones: scaled along its axis, and across it by `thickness` (1: as thick as it

