@@ -9,34 +9,60 @@
  * close to a corner. */
 #define SNAP_REL 0.3
 
-/* The length of the shortest edge at each vertex. */
-static void find_shortest(const sn_tri_mesh *m, double *shortest)
+typedef struct corner_heights {  /* one of each vertex */
+    double *height, *shortest;   /* over the plane; shortest edge */
+    bool *has_above, *has_below; /* among its neighbours, farther from the plane than what goes into it */
+} corner_heights;
+
+static sn_status open_heights(corner_heights *c, const sn_tri_mesh *m, const sn_plane *plane, sn_error *err)
 {
-    for (int32_t v = 0; v < m->n_vert; v++) shortest[v] = INFINITY;
-    for (int32_t f = 0; f < m->n_face; f++) {
-        const int32_t *v = m->face + 3 * (size_t)f;
-        for (int k = 0; k < 3; k++) {
-            int32_t a = v[k], b = v[(k + 1) % 3];
-            double length = sn_v3_dist(sn_tri_mesh_point(m, a), sn_tri_mesh_point(m, b));
-            shortest[a] = fmin(shortest[a], length);
-            shortest[b] = fmin(shortest[b], length);
-        }
+    *c = (corner_heights){SN_NEW(double, m->n_vert), SN_NEW(double, m->n_vert), SN_NEW_ZERO(bool, m->n_vert),
+                          SN_NEW_ZERO(bool, m->n_vert)};
+    if (!c->height || !c->shortest || !c->has_above || !c->has_below)
+        return sn_fail(err, SN_ENOMEM, "body: no memory for %d vertices", m->n_vert);
+    for (int32_t v = 0; v < m->n_vert; v++) {
+        c->height[v] = sn_plane_height(plane, sn_tri_mesh_point(m, v));
+        c->shortest[v] = INFINITY;
+    }
+    return SN_OK;
+}
+
+static void close_heights(corner_heights *c)
+{
+    sn_release(c->height);
+    sn_release(c->shortest);
+    sn_release(c->has_above);
+    sn_release(c->has_below);
+}
+
+static void look_around(const sn_tri_mesh *m, corner_heights *c)
+{
+    for (int32_t h = 0; h < 3 * m->n_face; h++) {
+        int32_t a = m->face[h], b = m->face[h % 3 == 2 ? h - 2 : h + 1];
+        double length = sn_v3_dist(sn_tri_mesh_point(m, a), sn_tri_mesh_point(m, b));
+        c->shortest[a] = fmin(c->shortest[a], length);
+        c->shortest[b] = fmin(c->shortest[b], length);
+    }
+    for (int32_t h = 0; h < 3 * m->n_face; h++) { /* each edge is in two faces, once either way */
+        int32_t a = m->face[h], b = m->face[h % 3 == 2 ? h - 2 : h + 1];
+        c->has_above[a] = c->has_above[a] || c->height[b] > SNAP_REL * c->shortest[b];
+        c->has_below[a] = c->has_below[a] || c->height[b] < -SNAP_REL * c->shortest[b];
     }
 }
 
+/* Only where the plane goes through the surface: a corner that would just touch it would join the half with
+ * its image in a point. */
 static sn_status snap_to_plane(sn_tri_mesh *m, const sn_body_options *opt, sn_error *err)
 {
     sn_plane plane;
-    double *shortest = SN_NEW(double, m->n_vert);
-    sn_status st = shortest ? sn_plane_make(&plane, "cut", opt->cut_point, opt->cut_normal, err)
-                            : sn_fail(err, SN_ENOMEM, "body: no memory");
-    if (!st) find_shortest(m, shortest);
-    for (int32_t v = 0; !st && v < m->n_vert; v++) {
-        sn_vec3 p = sn_tri_mesh_point(m, v);
-        if (fabs(sn_plane_height(&plane, p)) < SNAP_REL * shortest[v])
-            sn_v3_store(m->pos + 3 * (size_t)v, sn_plane_project(&plane, p));
-    }
-    sn_release(shortest);
+    corner_heights c = {0};
+    sn_status st = sn_plane_make(&plane, "cut", opt->cut_point, opt->cut_normal, err);
+    if (!st) st = open_heights(&c, m, &plane, err);
+    if (!st) look_around(m, &c);
+    for (int32_t v = 0; !st && v < m->n_vert; v++)
+        if (fabs(c.height[v]) < SNAP_REL * c.shortest[v] && c.has_above[v] && c.has_below[v])
+            sn_v3_store(m->pos + 3 * (size_t)v, sn_plane_project(&plane, sn_tri_mesh_point(m, v)));
+    close_heights(&c);
     return st;
 }
 

