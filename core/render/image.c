@@ -33,3 +33,16 @@ sn_status sn_image_reserve(sn_image *m, int32_t width, int32_t height, sn_error 
     m->height = height;
     return SN_OK;
 }
+
+void sn_image_flip(sn_image *m)
+{
+    for (int32_t y = 0; y < m->height; y++) {
+        uint8_t *row = m->rgba + 4 * (size_t)y * (size_t)m->width, pixel[4];
+        for (int32_t x = 0; x < m->width / 2; x++) {
+            uint8_t *a = row + 4 * (size_t)x, *b = row + 4 * (size_t)(m->width - 1 - x);
+            memcpy(pixel, a, sizeof pixel);
+            memcpy(a, b, sizeof pixel);
+            memcpy(b, pixel, sizeof pixel);
+        }
+    }
+}

@@ -19,6 +19,8 @@ void sn_image_free(sn_image *m);
 /* Room, values not set. Errors: SN_EINVAL (a side not in 1..SN_IMAGE_MAX_SIDE: names it), SN_ENOMEM. */
 SN_MUST_USE sn_status sn_image_reserve(sn_image *m, int32_t width, int32_t height, sn_error *err);
 
+void sn_image_flip(sn_image *m); /* left and right change places */
+
 typedef struct sn_image_text { /* a tEXt chunk: key 1..79 Latin-1 characters */
     const char *key, *text;
 } sn_image_text;

@@ -157,6 +157,7 @@ static sn_status exact_difference(const corefine_job *job, const sn_body_options
 typedef struct sampler {
     sn_bvh *skin;
     sn_bvh **bone;
+    sn_box3 *box; /* of each bone */
     int32_t n_bone;
 } sampler;
 
@@ -166,11 +167,22 @@ static double signed_distance(const sn_bvh *b, sn_vec3 p)
     return sn_bvh_contains(b, p) ? -d : d;
 }
 
+/* How far p lies outside of a box; 0 inside. */
+static double outside_by(sn_box3 b, sn_vec3 p)
+{
+    sn_vec3 d =
+        sn_v3(fmax(0.0, fmax(b.min.x - p.x, p.x - b.max.x)), fmax(0.0, fmax(b.min.y - p.y, p.y - b.max.y)),
+              fmax(0.0, fmax(b.min.z - p.z, p.z - b.max.z)));
+    return sn_v3_len(d);
+}
+
+/* A bone counts only where it is nearer than the skin and the bones before it: its box tells that soonest. */
 static double tissue_value(void *user, sn_vec3 p)
 {
     const sampler *s = user;
     double v = signed_distance(s->skin, p);
-    for (int32_t i = 0; i < s->n_bone; i++) v = fmax(v, -signed_distance(s->bone[i], p));
+    for (int32_t i = 0; i < s->n_bone; i++)
+        if (-outside_by(s->box[i], p) > v) v = fmax(v, -signed_distance(s->bone[i], p));
     return v;
 }
 
@@ -210,11 +222,14 @@ static double sample_cell(const corefine_job *job, const sn_body_options *opt)
 static sn_status sampled_difference(const corefine_job *job, const sn_body_options *opt, const sn_run *run,
                                     sn_tri_mesh *out, sn_error *err)
 {
-    sampler s = {NULL, SN_NEW_ZERO(sn_bvh *, job->n_bone), job->n_bone};
+    sampler s = {NULL, SN_NEW_ZERO(sn_bvh *, job->n_bone), SN_NEW(sn_box3, job->n_bone), job->n_bone};
     sn_polygonize p = {tissue_value, &s, sn_tri_mesh_bounds(job->skin), sample_cell(job, opt), true};
     sn_status st =
-        s.bone ? sn_bvh_create(&s.skin, job->skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
-    for (int32_t i = 0; !st && i < job->n_bone; i++) st = sn_bvh_create(&s.bone[i], job->bone[i], err);
+        s.bone && s.box ? sn_bvh_create(&s.skin, job->skin, err) : sn_fail(err, SN_ENOMEM, "body: no memory");
+    for (int32_t i = 0; !st && i < job->n_bone; i++) {
+        s.box[i] = sn_tri_mesh_bounds(job->bone[i]);
+        st = sn_bvh_create(&s.bone[i], job->bone[i], err);
+    }
     if (!st) st = sn_polygonize_run(&p, run, out, err);
     if (!st && (out->n_face == 0 || sn_tri_mesh_volume(out) < LEAST_TISSUE * sn_tri_mesh_volume(job->skin)))
         st = sn_fail(err, SN_EMESH, "the bones leave no soft tissue inside the skin");
@@ -222,6 +237,7 @@ static sn_status sampled_difference(const corefine_job *job, const sn_body_optio
     if (st) sn_tri_mesh_free(out);
     for (int32_t i = 0; s.bone && i < job->n_bone; i++) sn_bvh_destroy(s.bone[i]);
     sn_release(s.bone);
+    sn_release(s.box);
     sn_bvh_destroy(s.skin);
     return st;
 }

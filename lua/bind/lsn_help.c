@@ -328,6 +328,7 @@ static const help results[] = {
      "text on the baseline y; align: left, center, right; rotate: degrees, counter-clockwise"},
     {"image:text_size", "img:text_size{text=, size=16} -> width, height, ascent  of one line of text, "
                         "pixels; ascent: the part of height above the baseline"},
+    {"image:flip", "img:flip() -> image  a copy with left and right changed"},
     {"image:resize",
      "img:resize(w, h) -> image  a copy of another size, each pixel the mean of what it covers"},
     {"sinew.image.load", "sinew.image.load(path) -> image | nil, message  reads .png"},

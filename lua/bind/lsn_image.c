@@ -348,6 +348,19 @@ static int image_text_size(lua_State *L) /* img:text_size{text=, size=16} -> wid
     return 3;
 }
 
+static int image_flip(lua_State *L) /* img:flip() -> image */
+{
+    const sn_image *m = lsn_check_image(L, 1);
+    sn_image *out = lsn_push_image(L);
+    size_t size = 4 * (size_t)m->width * (size_t)m->height;
+    sn_error err;
+    if (sn_image_reserve(out, m->width, m->height, &err)) return lsn_raise(L, &err);
+    memcpy(out->rgba, m->rgba, size);
+    sn_image_flip(out);
+    lsn_account(L, size);
+    return 1;
+}
+
 static int image_resize(lua_State *L) /* img:resize(w, h) -> image */
 {
     const sn_image *m = lsn_check_image(L, 1);
@@ -371,11 +384,19 @@ void lsn_open_image(lua_State *L)
 {
     static const luaL_Reg meta[] = {
         {"__gc", image_gc}, {"__close", image_gc}, {"__tostring", image_tostring}, {NULL, NULL}};
-    static const luaL_Reg methods[] = {
-        {"save", image_save},     {"width", image_width}, {"height", image_height},
-        {"pixel", image_pixel},   {"paste", image_paste}, {"fill", image_fill},
-        {"line", image_line},     {"text", image_text},   {"text_size", image_text_size},
-        {"resize", image_resize}, {"close", image_gc},    {NULL, NULL}};
+    static const luaL_Reg methods[] = {{"save", image_save},
+                                       {"width", image_width},
+                                       {"height", image_height},
+                                       {"pixel", image_pixel},
+                                       {"paste", image_paste},
+                                       {"fill", image_fill},
+                                       {"line", image_line},
+                                       {"text", image_text},
+                                       {"text_size", image_text_size},
+                                       {"resize", image_resize},
+                                       {"flip", image_flip},
+                                       {"close", image_gc},
+                                       {NULL, NULL}};
     static const luaL_Reg functions[] = {
         {"new", image_new}, {"load", image_load}, {"compare", image_compare}, {NULL, NULL}};
     lsn_new_type(L, LSN_IMAGE, meta, methods);

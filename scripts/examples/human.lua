@@ -4,7 +4,6 @@
 --     sinew -D made=true scripts/examples/human.lua                      the body that the script makes itself
 --     sinew -D size=0.2 -D out=/tmp scripts/examples/human.lua           finer, into another folder
 --     sinew -D coarse=true scripts/examples/human.lua                    quick: a coarse mesh of the made body, one picture
---     sinew -D whole=false scripts/examples/human.lua                    without the picture of both sides
 --
 -- The skin is that of ../shared/data/human (or $SINEW_DATA/human) where it is there, else a mannequin. Writes into the
 -- folder out/human: skeleton.png, muscles.png (the half that is computed, from four sides), whole.png (both sides),
@@ -20,7 +19,6 @@ fat = fat or 0.30                           -- value of fat on the skin: larger 
 local start = sinew.time()
 local here = arg[0]:match("^.*/examples/") or "scripts/examples/"
 local data = (os.getenv("SINEW_DATA") or "../shared/data") .. "/human"
-local vec3 = sinew.vec3
 assert(sinew.folder(out))
 out = assert(sinew.folder(out .. "/human"))
 local report = assert(io.open(out .. "/human.txt", "w"))
@@ -132,47 +130,28 @@ local function spread(values, n)
   return result
 end
 
-local function add_muscle(scene, m, name, factor)
+local function add_muscle(scene, m)
   local heads = {}
-  for i = 2, #m do
-    local points = {}
-    for k, p in ipairs(m[i]) do points[k] = vec3(factor * p.x, p.y, p.z) end
-    heads[#heads + 1] = {points = points, tissue = spread(m.tissue or 1, #points)}
-  end
-  local muscle = scene:add_muscle(name, {heads = heads})
-  if m.frame and not coarse then
-    local a = m.frame.axis
-    muscle:set_frame{axis = {factor * a[1], a[2], a[3]}, eigenvalues = m.frame.eigenvalues}
-  end
+  for i = 2, #m do heads[#heads + 1] = {points = m[i], tissue = spread(m.tissue or 1, #m[i])} end
+  local muscle = scene:add_muscle(m[1], {heads = heads})
+  if m.frame and not coarse then muscle:set_frame(m.frame) end
   if m.tendon then muscle:set_tendon(m.tendon) end
   if m.pennation then muscle:set_pennation(m.pennation) end
 end
 
--- 5  The model. half: cut in the middle, the left side only; else the right side gets the mirror image of all.
+-- 5  The model: cut in the middle, the left side only. x:mirror() joins it with its image.
 
-local function model(half, edge)
-  local scene = sinew.scene{name = "human", unit = "dm", up = "y"}
-  scene:set_skin(body.skin)
-  for _, group in ipairs(groups) do scene:add_bone(group[1], solid[group[1]]) end
-  scene:add_bone("viscera", solid.viscera)
-  if half then
-    scene:cut{normal = {1, 0, 0}}
-  else
-    scene:mirror_bones{}
-  end
-  local mesh = scene:tetrahedralize{edge_length = edge, bone_edge_length = 0.75 * edge}
-  for _, m in ipairs(muscles) do
-    add_muscle(scene, m, m[1], 1)
-    if not half then add_muscle(scene, m, m[1]:gsub("_l$", "_r"), -1) end
-  end
-  scene:set_fat(fat)
-  local solved = scene:solve()
-  progress("%s: %d tets, %d muscles, %d unknowns, residual %.0e", half and "left half" or "both sides", mesh.tets,
-           #scene:muscles(), solved.unknowns, solved.residual)
-  return scene
-end
-
-local scene = model(true, size)
+local scene = sinew.scene{name = "human", unit = "dm", up = "y"}
+scene:set_skin(body.skin)
+for _, group in ipairs(groups) do scene:add_bone(group[1], solid[group[1]]) end
+scene:add_bone("viscera", solid.viscera)
+scene:cut{normal = {1, 0, 0}}
+local mesh = scene:tetrahedralize{edge_length = size, bone_edge_length = 0.75 * size}
+for _, m in ipairs(muscles) do add_muscle(scene, m) end
+scene:set_fat(fat)
+local solved = scene:solve()
+progress("left half: %d tets, %d muscles, %d unknowns, residual %.0e", mesh.tets, #scene:muscles(), solved.unknowns,
+         solved.residual)
 local x = scene:extract{}
 local both = x:mirror()
 local check = x:check()
@@ -184,12 +163,31 @@ progress("extracted and mirrored: %d tets", both:tet_count())
 
 -- 6  Pictures: the half that was computed, and both sides.
 
+-- Seen from the front and from behind, an eye in the plane of symmetry sees the other side as the image of this one.
+local function both_sides(half, file)
+  local width, height = 620, 900
+  local sheet = sinew.image.new{size = {2 * width, height}}
+  for i, z in ipairs{40, -40} do
+    local eye = {eye = {0, 0.2, z}, target = {0, 0.2, 0}, up = {0, 1, 0}, fov = 26}
+    local right = half:render{size = {width, height}, camera = eye, show = {"muscles", "bones"}}
+    local left = sinew.image.new{size = {width // 2, height}}
+    if z > 0 then
+      left:paste(right:flip(), 1, 1)
+      right:paste(left, 1, 1)
+    else
+      left:paste(right, 1, 1)
+      right = right:flip():paste(left, 1, 1)
+    end
+    sheet:paste(right, (i - 1) * width + 1, 1)
+  end
+  assert(sheet:save(out .. "/" .. file))
+  progress(file)
+end
+
 if not coarse then
   views(scene, "muscles.png", {"front", "left", "back", "right"}, {show = {"muscles", "bones"}})
   progress("muscles.png")
-  if whole ~= false then
-    views(model(false, size), "whole.png", {"front", "left", "back"}, {show = {"muscles", "bones"}})
-  end
+  both_sides(scene, "whole.png")
 end
 
 -- 7  Bones, muscles, volumes.

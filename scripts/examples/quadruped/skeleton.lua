@@ -86,12 +86,12 @@ end
 row("caudal", {count = 18, size = {0.55, 1}, thickness = 1.15,
                along = {{0, 0.272, -1.040}, {0, 0.285, -0.950}, {0, 0.370, -0.860}, {0, 0.510, -0.812},
                         {0, 0.660, -0.745}, {0, 0.742, -0.665}, {0, 0.774, -0.565}}})
-row("lumbar", {count = 7, size = {1.1, 1}, thickness = 0.95,
+row("lumbar", {count = 7, size = {1.1, 1}, fill = 0.7, thickness = 1.0,
                along = {{0, 0.806, -0.368}, {0, 0.800, -0.200}, {0, 0.788, -0.010}}})
 local back = {{0, 0.788, -0.010}, {0, 0.772, 0.180}, {0, 0.748, 0.380}, {0, 0.738, 0.545}}
-row("thoracic", {count = 7, along = back, range = {0, 7 / 13}, thickness = 0.85})
-row("withers", {template = "felid_thoracic", count = 6, along = back, range = {7 / 13, 1}, thickness = 0.95})
-row("cervical", {count = 7, size = {1, 1.1}, thickness = 0.72,
+row("thoracic", {count = 7, along = back, range = {0, 7 / 13}, fill = 0.7, thickness = 0.9})
+row("withers", {template = "felid_thoracic", count = 6, along = back, range = {7 / 13, 1}, fill = 0.7, thickness = 1.0})
+row("cervical", {count = 7, size = {1, 1.1}, fill = 0.7, thickness = 0.8,
                  along = {{0, 0.735, 0.545}, {0, 0.752, 0.620}, {0, 0.800, 0.730}, {0, 0.860, 0.842}}})
 
 scene:place_bone{name = "skull", template = "felid_skull", at = {0, 0.872, 0.850}, size = 1.04,
