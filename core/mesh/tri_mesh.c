@@ -36,9 +36,9 @@ sn_status sn_tri_mesh_copy(sn_tri_mesh *out, const sn_tri_mesh *m, sn_error *err
 {
     sn_status st = sn_tri_mesh_reserve(out, m->n_vert, m->n_face, err);
     if (st) return st;
-    memcpy(out->pos, m->pos, 3 * (size_t)m->n_vert * sizeof *m->pos);
-    memcpy(out->face, m->face, 3 * (size_t)m->n_face * sizeof *m->face);
-    if (!m->label) return SN_OK;
+    if (m->n_vert > 0) memcpy(out->pos, m->pos, 3 * (size_t)m->n_vert * sizeof *m->pos);
+    if (m->n_face > 0) memcpy(out->face, m->face, 3 * (size_t)m->n_face * sizeof *m->face);
+    if (!m->label || m->n_face == 0) return SN_OK;
     out->label = SN_NEW(int32_t, m->n_face);
     if (!out->label) {
         sn_tri_mesh_free(out);
