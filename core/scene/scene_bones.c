@@ -49,12 +49,17 @@ void sn_scene_free_bone(scene_bone *b)
     memset(b, 0, sizeof *b);
 }
 
+static int32_t find_quietly(const sn_scene *s, const char *name)
+{
+    for (int32_t i = 0; i < s->n_bone; i++)
+        if (strcmp(s->bone[i].name, name) == 0) return i;
+    return -1;
+}
+
 static sn_status new_bone_name(const sn_scene *s, const char *name, sn_error *err)
 {
     sn_status st = sn_check_name("bone", name, err);
-    for (int32_t i = 0; !st && i < s->n_bone; i++)
-        if (strcmp(s->bone[i].name, name) == 0)
-            st = sn_fail(err, SN_EINVAL, "there is a bone '%s' already", name);
+    if (!st && find_quietly(s, name) >= 0) st = sn_fail(err, SN_EINVAL, "there is a bone '%s' already", name);
     return st;
 }
 
@@ -91,11 +96,7 @@ sn_status sn_scene_put_bone(sn_scene *s, int32_t i_bone, scene_bone *b, sn_error
 sn_status sn_scene_add_bone(sn_scene *s, const char *name, const sn_tri_mesh *bone, sn_error *err)
 {
     scene_bone b = {.name = sn_strdup(name)};
-    sn_status st = b.name ? new_bone_name(s, name, err) : sn_scene_no_memory(err);
-    if (!st) st = sn_tri_mesh_validate(bone, err);
-    if (st && b.name && st != SN_ENOMEM && err && strstr(err->msg, name) == NULL)
-        st = sn_fail_prefix(err, st, "bone '%s': ", name);
-    if (!st) st = sn_tri_mesh_copy(&b.mesh, bone, err);
+    sn_status st = b.name ? sn_tri_mesh_copy(&b.mesh, bone, err) : sn_scene_no_memory(err);
     if (!st) st = sn_scene_put_bone(s, -1, &b, err);
     if (st) sn_scene_free_bone(&b);
     return st;
@@ -272,27 +273,6 @@ sn_status sn_scene_map_bone(sn_scene *s, int32_t i_bone, const sn_affine *map, s
     return st;
 }
 
-/* Scaled by `along` in the direction of the unit vector u and by `across` at right angles to it. */
-static sn_affine stretch(sn_vec3 u, double along, double across)
-{
-    sn_affine a = sn_affine_scale(across, sn_v3(0, 0, 0));
-    const double c[3] = {u.x, u.y, u.z};
-    for (int k = 0; k < 3; k++) a.col[k] = sn_v3_mad(a.col[k], (along - across) * c[k], u);
-    return a;
-}
-
-/* The smallest turn from unit u to unit v; about any axis for opposite ones. */
-static sn_affine turn_between(sn_vec3 u, sn_vec3 v)
-{
-    sn_vec3 axis = sn_v3_cross(u, v), zero = sn_v3(0, 0, 0);
-    double sine = sn_v3_len(axis), cosine = sn_v3_dot(u, v);
-    if (sine < 1e-14) {
-        if (cosine > 0.0) return sn_affine_identity();
-        axis = fabs(u.x) < 0.5 ? sn_v3_cross(u, sn_v3(1, 0, 0)) : sn_v3_cross(u, sn_v3(0, 1, 0));
-    }
-    return sn_affine_rotation(axis, atan2(sine, cosine) * (180.0 / 3.14159265358979323846), zero);
-}
-
 sn_status sn_scene_set_bone_ends(sn_scene *s, int32_t i_bone, sn_vec3 from, sn_vec3 to, double thickness,
                                  sn_error *err)
 {
@@ -305,22 +285,11 @@ sn_status sn_scene_set_bone_ends(sn_scene *s, int32_t i_bone, sn_vec3 from, sn_v
         return sn_fail(err, SN_EINVAL, "bone '%s': its ends are %g apart, need > 0", b->name, after);
     if (!(thickness > 0.0 && isfinite(thickness)))
         return sn_fail(err, SN_EINVAL, "bone '%s': thickness is %g, need > 0", b->name, thickness);
-    sn_vec3 u = sn_v3_unit(sn_v3_sub(b->to, b->from)), v = sn_v3_unit(sn_v3_sub(to, from));
-    sn_affine map = sn_affine_translation(sn_v3_scale(-1.0, b->from));
-    map = sn_affine_after(stretch(u, after / before, thickness), map);
-    map = sn_affine_after(turn_between(u, v), map);
-    map = sn_affine_after(sn_affine_translation(from), map);
+    sn_affine map = sn_place_ends((sn_vec3[2]){b->from, b->to}, (sn_vec3[2]){from, to}, thickness);
     return sn_scene_map_bone(s, i_bone, &map, err);
 }
 
 /* ---- the other side ---- */
-
-static int32_t find_quietly(const sn_scene *s, const char *name)
-{
-    for (int32_t i = 0; i < s->n_bone; i++)
-        if (strcmp(s->bone[i].name, name) == 0) return i;
-    return -1;
-}
 
 /* The images of all bones of a side, checked and cut, so that putting them into the scene cannot fail any
  * more but for memory. at: the bone that each replaces, or -1. */
@@ -359,14 +328,13 @@ sn_status sn_scene_mirror_bones(sn_scene *s, sn_vec3 point, sn_vec3 normal, int3
                                 int32_t *n_replaced, sn_error *err)
 {
     sn_plane plane;
-    sn_affine map = sn_affine_identity();
+    sn_affine map;
     int32_t n = 0, *at = SN_NEW(int32_t, s->n_bone);
     scene_bone *image = SN_NEW_ZERO(scene_bone, s->n_bone);
     *n_added = *n_replaced = 0;
     sn_status st =
         at && image ? sn_plane_make(&plane, "mirror_bones", point, normal, err) : sn_scene_no_memory(err);
-    for (int k = 0; !st && k < 3; k++) map.col[k] = sn_plane_reflect_vector(&plane, map.col[k]);
-    if (!st) map.t = sn_plane_reflect(&plane, sn_v3(0, 0, 0));
+    if (!st) map = sn_affine_mirror(plane.point, plane.normal);
     if (!st) st = make_images(s, &map, image, at, &n, err);
     if (!st) st = put_images(s, image, at, n, err);
     if (!st) st = sn_scene_mirror_joints(s, point, normal, err);

@@ -31,6 +31,10 @@ typedef struct sn_cylinder_options { /* {0}: all defaults */
 SN_MUST_USE sn_status sn_place_cylinder(const sn_bone_template *t, sn_vec3 from, sn_vec3 to,
                                         const sn_cylinder_options *opt, sn_affine *out, sn_error *err);
 
+/* The map that takes a bone's ends from -> to to other ones: scaled along the axis by their distance, across
+ * it by thickness, turned the smallest way. Ends: apart, finite; thickness > 0. */
+sn_affine sn_place_ends(const sn_vec3 end[2], const sn_vec3 goal[2], double thickness);
+
 typedef struct sn_curve_options { /* {0} with a count or a spacing: all other defaults */
     int32_t count;      /* bones along the curve; 0: as many as the spacing gives                      */
     double spacing;     /* from one to the next by arc length, the mean one where sizes differ; what is left

@@ -80,3 +80,13 @@ sn_status sn_place_cylinder(const sn_bone_template *t, sn_vec3 from, sn_vec3 to,
     *out = sn_affine_after(m, mirror);
     return SN_OK;
 }
+
+sn_affine sn_place_ends(const sn_vec3 end[2], const sn_vec3 goal[2], double thickness)
+{
+    sn_vec3 u = sn_v3_unit(sn_v3_sub(end[1], end[0])), v = sn_v3_unit(sn_v3_sub(goal[1], goal[0]));
+    sn_vec3 across = sn_any_across(u);
+    double along = sn_v3_dist(goal[0], goal[1]) / sn_v3_dist(end[0], end[1]);
+    sn_affine m = stretch(u, across, v, sn_turn_along(across, u, v), along, thickness);
+    m.t = sn_v3_sub(goal[0], sn_affine_vector(&m, end[0]));
+    return m;
+}
