@@ -2,16 +2,10 @@
 #ifndef SN_TESTS_MADE_TEMPLATE_H
 #define SN_TESTS_MADE_TEMPLATE_H
 
+#include "asserts.h"
 #include "skeleton/fit.h"
 
 #include "made_mesh.h"
-
-#define assert_near(a, b, tolerance)                                                                         \
-    do {                                                                                                     \
-        double a_ = (a), b_ = (b);                                                                           \
-        if (!(fabs(a_ - b_) <= (tolerance)))                                                                 \
-            fail_msg("%.17g is not %.17g to %g", a_, b_, (double)(tolerance));                               \
-    } while (0)
 
 /* Radius of the head in a direction: a nose, two brows, an ear, a chin. Around 1. */
 static inline double head_radius(sn_vec3 d)

@@ -5,22 +5,12 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "asserts.h"
 #include "closed_surface.h"
 #include "failing_memory.h"
 #include "made_mesh.h"
 #include "skeleton/clearance.h"
 #include "skeleton/spread.h"
-
-#define assert_near(a, b, tolerance)                                                                         \
-    do {                                                                                                     \
-        double a_ = (a), b_ = (b);                                                                           \
-        if (!(fabs(a_ - b_) <= (tolerance)))                                                                 \
-            fail_msg("%.17g is not %.17g to %g", a_, b_, (double)(tolerance));                               \
-    } while (0)
-#define assert_says(err, text)                                                                               \
-    do {                                                                                                     \
-        if (!strstr((err).msg, text)) fail_msg("\"%s\" does not say \"%s\"", (err).msg, text);               \
-    } while (0)
 
 static sn_bvh *ball(double radius, double cell)
 {

@@ -5,21 +5,10 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "asserts.h"
 #include "failing_memory.h"
 #include "made_mesh.h"
 #include "skeleton/place.h"
-
-#define assert_near(a, b, tolerance)                                                                         \
-    do {                                                                                                     \
-        double a_ = (a), b_ = (b);                                                                           \
-        if (!(fabs(a_ - b_) <= (tolerance)))                                                                 \
-            fail_msg("%.17g is not %.17g to %g", a_, b_, (double)(tolerance));                               \
-    } while (0)
-#define assert_at(p, q, tolerance) assert_near(sn_v3_dist(p, q), 0.0, tolerance)
-#define assert_says(err, text)                                                                               \
-    do {                                                                                                     \
-        if (!strstr((err).msg, text)) fail_msg("\"%s\" does not say \"%s\"", (err).msg, text);               \
-    } while (0)
 
 /* ---- picks ---- */
 

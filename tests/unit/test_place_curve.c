@@ -5,23 +5,12 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "asserts.h"
 #include "failing_memory.h"
 #include "made_mesh.h"
 #include "mesh/mesh_check.h"
 #include "mesh/spline.h"
 #include "skeleton/place.h"
-
-#define assert_near(a, b, tolerance)                                                                         \
-    do {                                                                                                     \
-        double a_ = (a), b_ = (b);                                                                           \
-        if (!(fabs(a_ - b_) <= (tolerance)))                                                                 \
-            fail_msg("%.17g is not %.17g to %g", a_, b_, (double)(tolerance));                               \
-    } while (0)
-#define assert_at(p, q, tolerance) assert_near(sn_v3_dist(p, q), 0.0, tolerance)
-#define assert_says(err, text)                                                                               \
-    do {                                                                                                     \
-        if (!strstr((err).msg, text)) fail_msg("\"%s\" does not say \"%s\"", (err).msg, text);               \
-    } while (0)
 
 /* ---- a vertebra of boxes: a body, 25 high and 40 wide, and a process that slopes down behind it ---- */
 

@@ -5,28 +5,11 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "asserts.h"
 #include "made_mesh.h"
 #include "mesh/mesh_check.h"
 #include "mesh/tri_cut.h"
 #include "scene/scene_bones.h"
-
-#define assert_near(a, b, tolerance)                                                                         \
-    do {                                                                                                     \
-        double a_ = (a), b_ = (b);                                                                           \
-        if (!(fabs(a_ - b_) <= (tolerance)))                                                                 \
-            fail_msg("%.17g is not %.17g to %g", a_, b_, (double)(tolerance));                               \
-    } while (0)
-#define assert_error(call, text)                                                                             \
-    do {                                                                                                     \
-        sn_error err = {.msg = ""};                                                                          \
-        assert_int_not_equal((call), SN_OK);                                                                 \
-        if (!strstr(err.msg, text)) fail_msg("\"%s\" does not say \"%s\"", err.msg, text);                   \
-    } while (0)
-#define ok(call)                                                                                             \
-    do {                                                                                                     \
-        sn_error err = {.msg = ""};                                                                          \
-        if (call) fail_msg("%s", err.msg);                                                                   \
-    } while (0)
 
 /* Small steps by the thousand: other tests run beside this one. */
 static const sn_run one_thread = {.n_threads = 1};

@@ -5,20 +5,16 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "asserts.h"
 #include "made_mesh.h"
 #include "scene/scene_bones.h"
 
-#define assert_at(p, q) assert_true(sn_v3_dist(p, q) <= 1e-14)
-#define assert_error(call, text)                                                                             \
+#define assert_same_place(p, q) assert_true(sn_v3_dist(p, q) <= 1e-14)
+#define assert_einval(call, text)                                                                            \
     do {                                                                                                     \
         sn_error err = {.msg = ""};                                                                          \
         assert_int_equal((call), SN_EINVAL);                                                                 \
         if (!strstr(err.msg, text)) fail_msg("\"%s\" does not say \"%s\"", err.msg, text);                   \
-    } while (0)
-#define ok(call)                                                                                             \
-    do {                                                                                                     \
-        sn_error err = {.msg = ""};                                                                          \
-        if (call) fail_msg("%s", err.msg);                                                                   \
     } while (0)
 
 /* A pelvis with a leg of three bones. */
@@ -54,20 +50,20 @@ static void joints_are_kept(void **state)
     assert_string_equal(j->name, "hip_l");
     assert_string_equal(j->parent, "pelvis");
     assert_string_equal(j->child, "femur_l");
-    assert_at(j->center, sn_v3(0.15, -1, 0));
-    assert_at(j->axis[0], sn_v3(1, 0, 0));
-    assert_at(j->axis[1], sn_v3(0, 1, 0));
-    assert_at(j->axis[2], sn_v3(0, 0, 1));
+    assert_same_place(j->center, sn_v3(0.15, -1, 0));
+    assert_same_place(j->axis[0], sn_v3(1, 0, 0));
+    assert_same_place(j->axis[1], sn_v3(0, 1, 0));
+    assert_same_place(j->axis[2], sn_v3(0, 0, 1));
     j = sn_scene_joint(s, 1); /* orthonormal, in this order */
-    assert_at(j->axis[0], sn_v3(0, 0, 1));
-    assert_at(j->axis[1], sn_v3(1, 0, 0));
-    assert_at(j->axis[2], sn_v3(0, 1, 0));
+    assert_same_place(j->axis[0], sn_v3(0, 0, 1));
+    assert_same_place(j->axis[1], sn_v3(1, 0, 0));
+    assert_same_place(j->axis[2], sn_v3(0, 1, 0));
     ok(sn_scene_remove_joint(s, "hip_l", &err));
     assert_int_equal(sn_scene_joint_count(s), 1);
     assert_string_equal(sn_scene_joint(s, 0)->name, "knee_l");
-    assert_error(sn_scene_remove_joint(s, "knee", &err), "no joint 'knee' (did you mean 'knee_l'?)");
+    assert_einval(sn_scene_remove_joint(s, "knee", &err), "no joint 'knee' (did you mean 'knee_l'?)");
     ok(sn_scene_remove_joint(s, "knee_l", &err));
-    assert_error(sn_scene_remove_joint(s, "knee_l", &err), "no joint 'knee_l' (the scene has 0)");
+    assert_einval(sn_scene_remove_joint(s, "knee_l", &err), "no joint 'knee_l' (the scene has 0)");
     sn_scene_destroy(s);
 }
 
@@ -93,10 +89,10 @@ static void wrong_joints_are_told(void **state)
         {"j", "femur_l", "pelvis", "joint 'j': bone 'femur_l' hangs on 'pelvis' in turn: a ring"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_error(sn_scene_add_joint(s, bad[i].name, bad[i].parent, bad[i].child, c, NULL, &err),
-                     bad[i].says);
-    assert_error(sn_scene_add_joint(s, "j", "tibia_l", "foot_l", sn_v3(0, NAN, 0), NULL, &err),
-                 "joint 'j': its center is not finite");
+        assert_einval(sn_scene_add_joint(s, bad[i].name, bad[i].parent, bad[i].child, c, NULL, &err),
+                      bad[i].says);
+    assert_einval(sn_scene_add_joint(s, "j", "tibia_l", "foot_l", sn_v3(0, NAN, 0), NULL, &err),
+                  "joint 'j': its center is not finite");
     static const sn_vec3 flat[][3] = {{{1, 0, 0}, {2, 0, 0}, {0, 0, 1}}, /* two along one line   */
                                       {{1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, /* three in one plane   */
                                       {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}}, /* one without length   */
@@ -104,11 +100,11 @@ static void wrong_joints_are_told(void **state)
                                       {{1, 0, 0}, {0, INFINITY, 0}, {0, 0, 1}},
                                       {{1, 0, 0}, {0, 1, 0}, {0, 0, NAN}}};
     for (size_t i = 0; i < sizeof flat / sizeof *flat; i++)
-        assert_error(sn_scene_add_joint(s, "j", "tibia_l", "foot_l", c, flat[i], &err),
-                     "joint 'j': its axes do not span space");
+        assert_einval(sn_scene_add_joint(s, "j", "tibia_l", "foot_l", c, flat[i], &err),
+                      "joint 'j': its axes do not span space");
     static const sn_vec3 left[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
-    assert_error(sn_scene_add_joint(s, "j", "tibia_l", "foot_l", c, left, &err),
-                 "joint 'j': its axes are left-handed; swap two or turn one");
+    assert_einval(sn_scene_add_joint(s, "j", "tibia_l", "foot_l", c, left, &err),
+                  "joint 'j': its axes are left-handed; swap two or turn one");
     assert_int_equal(sn_scene_joint_count(s), 2);
     assert_int_equal(sn_scene_revision(s), revision);
     sn_scene_destroy(s);
@@ -156,13 +152,13 @@ static void joints_are_mirrored(void **state)
         assert_string_equal(hip->child, "femur_r");
         assert_string_equal(knee->parent, "femur_r");
         assert_string_equal(knee->child, "tibia_r");
-        assert_at(knee->center, sn_v3(-0.1, 2, 3));
-        assert_at(knee->axis[0], sn_v3(-0.6, 0.8, 0));
-        assert_at(knee->axis[1], sn_v3(0.8, 0.6, 0));
-        assert_at(knee->axis[2], sn_v3(0, 0, -1)); /* turned, so that they stay right-handed */
+        assert_same_place(knee->center, sn_v3(-0.1, 2, 3));
+        assert_same_place(knee->axis[0], sn_v3(-0.6, 0.8, 0));
+        assert_same_place(knee->axis[1], sn_v3(0.8, 0.6, 0));
+        assert_same_place(knee->axis[2], sn_v3(0, 0, -1)); /* turned, so that they stay right-handed */
         assert_true(sn_v3_det(knee->axis[0], knee->axis[1], knee->axis[2]) > 0.999);
     }
-    assert_at(sn_scene_joint(s, joint(s, "knee_l"))->center, sn_v3(0.1, 2, 3));
+    assert_same_place(sn_scene_joint(s, joint(s, "knee_l"))->center, sn_v3(0.1, 2, 3));
     sn_scene_destroy(s);
 }
 
