@@ -7,6 +7,8 @@
 #include "base/run.h"
 #include "field/laplacian.h"
 
+#include <stdbool.h>
+
 typedef struct sn_cholesky sn_cholesky; /* opaque; const = may be used by many threads */
 
 /* Orders and analyses the rows and columns of a with number[i] >= 0, where number maps them one to one onto
@@ -45,6 +47,10 @@ SN_MUST_USE sn_status sn_cholesky_solve_held(const sn_cholesky *c, const int32_t
  * elsewhere. Half of a solve. x: n. Errors as above. */
 SN_MUST_USE sn_status sn_cholesky_solve_few(const sn_cholesky *c, const int32_t *index, const double *value,
                                             int32_t n_entry, const sn_run *run, double *x, sn_error *err);
+/* y += A x with the A that was factorized. x, y: n. */
+void sn_cholesky_add_product(const sn_cholesky *c, const double *x, double *y);
+int32_t sn_cholesky_size(const sn_cholesky *c);           /* unknowns */
+bool sn_cholesky_is_factorized(const sn_cholesky *c);     /* has a factor */
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* stored for the factor; known from the analysis */
 
 #endif

@@ -1,41 +1,43 @@
 #include "field/tissue.h"
 
 #include "base/alloc.h"
-#include "field/cholesky.h"
 #include "field/tissue_private.h"
 
 #include <string.h>
 
 #define BLOCK 64 /* right-hand sides solved together: bounds the memory, wide enough for BLAS */
 
+/* ---- the mesh ---- */
+
 /* Vertices of skin faces are fixed; the rest are numbered. */
 static sn_status number_unknowns(sn_tissue_solver *s, sn_error *err)
 {
     const sn_tet_mesh *m = &s->body->mesh;
     s->number = SN_NEW_ZERO(int32_t, m->n_vert);
-    if (!s->number) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    s->vertex_of = SN_NEW(int32_t, m->n_vert);
+    if (!s->number || !s->vertex_of) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
     for (size_t h = 0; h < 4 * (size_t)m->n_tet; h++) {
         if (s->body->across[h] != -1 - SN_LABEL_SKIN) continue;
         for (int k = 0; k < 3; k++) s->number[m->tet[(h & ~(size_t)3) + (size_t)sn_tet_face[h & 3][k]]] = -1;
     }
     for (int32_t v = 0; v < m->n_vert; v++)
-        if (s->number[v] >= 0) s->number[v] = s->n_free++;
+        if (s->number[v] >= 0) {
+            s->vertex_of[s->n_free] = v;
+            s->number[v] = s->n_free++;
+        }
     if (s->n_free > 0) return SN_OK;
     return sn_fail(err, SN_ESOLVE,
                    "the tet mesh has no vertex off the skin: mesh with a smaller edge length");
 }
 
-static sn_status copy_pattern(sn_csr *out, const sn_csr *a, sn_error *err)
+static sn_status assemble(sn_tissue_solver *s, const sn_run *run, sn_error *err)
 {
-    size_t nnz = (size_t)a->ptr[a->n];
-    out->n = a->n;
-    out->ptr = SN_NEW(int64_t, (size_t)a->n + 1);
-    out->idx = SN_NEW(int32_t, nnz);
-    out->val = SN_NEW(double, nnz);
-    if (!out->ptr || !out->idx || !out->val) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
-    memcpy(out->ptr, a->ptr, ((size_t)a->n + 1) * sizeof *a->ptr);
-    memcpy(out->idx, a->idx, nnz * sizeof *a->idx);
-    return SN_OK;
+    sn_status st = number_unknowns(s, err);
+    if (!st) st = sn_laplacian_build(&s->laplacian, &s->assembly, &s->body->mesh, s->body->size, run, err);
+    if (st) return st;
+    s->matrix = SN_NEW(double, s->laplacian.ptr[s->laplacian.n]);
+    s->cover = SN_NEW(double, s->n_free);
+    return s->matrix && s->cover ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory");
 }
 
 sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, const sn_run *run,
@@ -46,13 +48,11 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     if (!s) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
     s->body = body;
     double start = sn_clock();
-    sn_status st = number_unknowns(s, err);
-    if (!st) st = sn_laplacian_build(&s->laplacian, &s->assembly, &body->mesh, body->size, run, err);
-    if (!st) st = copy_pattern(&s->matrix, &s->laplacian, err);
+    sn_status st = assemble(s, run, err);
     s->report.seconds_assembly = sn_clock() - start;
     s->report.unknowns = s->n_free;
     start = sn_clock();
-    if (!st) st = sn_cholesky_create(&s->cholesky, &s->laplacian, s->number, s->n_free, run, err);
+    if (!st) st = sn_cholesky_create(&s->system.cholesky, &s->laplacian, s->number, s->n_free, run, err);
     s->report.seconds_analysis = sn_clock() - start;
     if (st)
         sn_tissue_solver_destroy(s);
@@ -66,165 +66,172 @@ void sn_tissue_solver_destroy(sn_tissue_solver *s)
     if (!s) return;
     for (int32_t i = 0; i < s->n_room; i++) sn_tissue_close_room(s->room[i]);
     sn_release(s->room);
-    sn_cholesky_destroy(s->cholesky);
+    sn_tissue_system_free(&s->system);
+    sn_row_set_free(&s->set);
     sn_csr_free(&s->laplacian);
-    sn_csr_free(&s->matrix);
     sn_assembly_free(&s->assembly);
+    sn_release(s->matrix);
+    sn_release(s->cover);
     sn_release(s->number);
+    sn_release(s->vertex_of);
     sn_release(s);
 }
 
-/* Adds alpha B'B; a row of B touches the four corners of one tet, so it stays in the pattern of L. */
-void sn_tissue_add_rows(const sn_tissue_solver *s, sn_csr *matrix)
+/* ---- curves ---- */
+
+static sn_status collect_rows(sn_row_set *set, const sn_tissue_muscle *muscle, int32_t n_muscle,
+                              sn_error *err)
 {
-    const sn_tet_mesh *m = &s->body->mesh;
-    for (int32_t i = 0; i < s->n_muscle; i++)
-        for (int32_t r = 0; r < s->muscle[i].row->n_row; r++) {
-            const int32_t *v = m->tet + 4 * (size_t)s->muscle[i].row->tet[r];
-            const double *w = s->muscle[i].row->bary + 4 * (size_t)r;
-            for (int a = 0; a < 4; a++)
-                for (int b = 0; b < 4; b++)
-                    matrix->val[sn_csr_find(matrix, v[a], v[b])] += s->alpha * w[a] * w[b];
+    size_t n = 0;
+    for (int32_t i = 0; i < n_muscle; i++) n += (size_t)muscle[i].row->n_row;
+    *set = (sn_row_set){SN_NEW(sn_row, n), 0};
+    if (!set->row) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %zu rows", n);
+    for (int32_t i = 0; i < n_muscle; i++)
+        for (int32_t r = 0; r < muscle[i].row->n_row; r++) {
+            sn_row *to = &set->row[set->n++];
+            to->tet = muscle[i].row->tet[r];
+            memcpy(to->bary, muscle[i].row->bary + 4 * (size_t)r, sizeof to->bary);
         }
+    sn_row_set_sort(set);
+    return SN_OK;
 }
 
 sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_tissue_muscle *muscle, int32_t n_muscle,
                                       double alpha, sn_error *err)
 {
+    sn_row_set set;
     if (!(alpha > 0.0 && isfinite(alpha))) return sn_fail(err, SN_EINVAL, "alpha is %g, need > 0", alpha);
-    s->has_curves = true;
-    s->has_factor = false;
+    sn_status st = collect_rows(&set, muscle, n_muscle, err);
+    if (st) return st;
+    sn_row_set_free(&s->set);
+    s->set = set;
+    s->revision++;
+    s->has_cover = false;
     s->muscle = muscle;
     s->n_muscle = n_muscle;
     s->alpha = alpha;
-    s->report.collocation_points = 0;
-    for (int32_t i = 0; i < n_muscle; i++) s->report.collocation_points += muscle[i].row->n_row;
+    s->report.collocation_points = set.n;
     return SN_OK;
 }
 
-static sn_status need_factor(sn_tissue_solver *s, const sn_run *run, sn_error *err)
+sn_tissue_rows sn_tissue_rows_of(const sn_tissue_solver *s)
 {
-    if (s->has_factor) return SN_OK;
+    return (sn_tissue_rows){&s->set, s->revision, s->body->mesh.tet, s->number, s->alpha};
+}
+
+/* ---- solving ---- */
+
+static void fill_isotropic(const void *user, sn_csr *matrix)
+{
+    const sn_tissue_solver *s = user;
+    memcpy(matrix->val, s->laplacian.val, (size_t)matrix->ptr[matrix->n] * sizeof *matrix->val);
+}
+
+static sn_status need_system(sn_tissue_solver *s, bool with_probes, const sn_run *run, sn_error *err)
+{
+    bool was_factorized;
     double start = sn_clock();
-    memcpy(s->matrix.val, s->laplacian.val, (size_t)s->laplacian.ptr[s->laplacian.n] * sizeof(double));
-    sn_tissue_add_rows(s, &s->matrix);
-    sn_status st = sn_cholesky_factorize(s->cholesky, &s->matrix, run, err);
-    s->report.seconds_factor = sn_clock() - start;
-    s->report.factor_entries = sn_cholesky_factor_entries(s->cholesky);
-    s->has_factor = st == SN_OK;
+    sn_csr matrix = s->laplacian;
+    matrix.val = s->matrix;
+    sn_tissue_rows rows = sn_tissue_rows_of(s);
+    sn_status st = sn_tissue_system_follow(&s->system, &rows, with_probes, &matrix, fill_isotropic, s, run,
+                                           &was_factorized, err);
+    s->report.seconds_factor += sn_clock() - start;
+    s->report.was_factorized = s->report.was_factorized || was_factorized;
+    s->report.factor_entries = sn_cholesky_factor_entries(s->system.cholesky);
+    if (!st) s->report.n_changed_rows = sn_low_rank_count(s->system.change);
     return st;
 }
 
-/* b = alpha B' d_i on the unknowns: the skin value of a muscle is 0. */
-void sn_tissue_muscle_rhs(const sn_tissue_solver *s, int32_t i, double *b)
+static sn_status solve_all(sn_tissue_solver *s, tissue_block b, const sn_run *run, sn_error *err)
 {
-    const sn_collocation *c = s->muscle[i].row;
-    memset(b, 0, (size_t)s->n_free * sizeof *b);
-    for (int32_t r = 0; r < c->n_row; r++)
-        for (int k = 0; k < 4; k++) {
-            int32_t u = s->number[s->body->mesh.tet[4 * (size_t)c->tet[r] + (size_t)k]];
-            if (u >= 0) b[u] += s->alpha * c->bary[4 * (size_t)r + (size_t)k] * c->value[r];
-        }
-}
-
-/* b = - (L + alpha B'B) restricted to unknown rows and skin columns, times d_fat. */
-static void fat_rhs(const sn_tissue_solver *s, double fat, double *b)
-{
-    for (int32_t v = 0; v < s->matrix.n; v++) {
-        if (s->number[v] < 0) continue;
-        double sum = 0.0;
-        for (int64_t k = s->matrix.ptr[v]; k < s->matrix.ptr[v + 1]; k++)
-            if (s->number[s->matrix.idx[k]] < 0) sum += s->matrix.val[k];
-        b[s->number[v]] = -fat * sum;
+    sn_status st = SN_OK;
+    const int32_t *tissue = b.tissue;
+    int32_t n = b.n;
+    s->report.residual = 0.0;
+    s->report.n_solved = 0;
+    for (int32_t first = 0; !st && first < n; first += BLOCK) {
+        double residual = 0.0;
+        int32_t n_solved = 0;
+        b.tissue = tissue + first;
+        b.n = n - first < BLOCK ? n - first : BLOCK;
+        st = sn_run_step(run, "solving", (double)first / n, err);
+        if (!st) st = sn_tissue_solve_block(s, &s->system, &b, s->cover, run, &residual, &n_solved, err);
+        s->report.residual = fmax(s->report.residual, residual);
+        s->report.n_solved += n_solved;
     }
+    return st;
 }
 
-static void tissue_rhs(const sn_tissue_solver *s, int32_t tissue, double fat, double *b)
+/* Once more with a new factor when the change since the old one is to blame for the residual. */
+static sn_status solve_checked(sn_tissue_solver *s, tissue_block b, const sn_run *run, sn_error *err)
 {
-    if (tissue == 0)
-        fat_rhs(s, fat, b);
-    else
-        sn_tissue_muscle_rhs(s, tissue - 1, b);
+    sn_status st = need_system(s, b.quick != NULL, run, err);
+    double start = sn_clock();
+    if (!st) st = solve_all(s, b, run, err);
+    bool is_lost = !st && s->report.residual > SN_RESIDUAL_TOO_LARGE && s->report.n_changed_rows > 0;
+    s->report.seconds_solve += sn_clock() - start;
+    if (!is_lost) return st;
+    sn_tissue_system_forget(&s->system);
+    for (int32_t k = 0; b.quick && k < b.n; k++) b.quick->was_kept[b.tissue[k]] = false;
+    b.quick = NULL;
+    st = need_system(s, false, run, err);
+    start = sn_clock();
+    if (!st) st = solve_all(s, b, run, err);
+    s->report.seconds_solve += sn_clock() - start;
+    return st;
 }
 
-/* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place). b: room for n_free. */
-double sn_tissue_residual(const sn_tissue_solver *s, const sn_csr *matrix, int32_t tissue, double fat,
-                          const double *field, double *b)
-{
-    double worst = 0.0, largest = 0.0;
-    tissue_rhs(s, tissue, fat, b);
-    for (int32_t v = 0; v < matrix->n; v++) {
-        if (s->number[v] < 0) continue;
-        double sum = -b[s->number[v]];
-        for (int64_t k = matrix->ptr[v]; k < matrix->ptr[v + 1]; k++)
-            if (s->number[matrix->idx[k]] >= 0) sum += matrix->val[k] * field[matrix->idx[k]];
-        worst = fmax(worst, fabs(sum));
-        largest = fmax(largest, fabs(b[s->number[v]]));
-    }
-    return largest > 0.0 ? worst / largest : worst;
-}
-
-void sn_tissue_put_field(const sn_tissue_solver *s, int32_t tissue, double fat, const double *x,
-                         double *field)
-{
-    size_t n_vert = (size_t)s->body->mesh.n_vert;
-    double *f = field + (size_t)tissue * n_vert;
-    for (size_t v = 0; v < n_vert; v++) f[v] = s->number[v] >= 0 ? x[s->number[v]] : tissue == 0 ? fat : 0.0;
-}
-
-static sn_status solve_block(sn_tissue_solver *s, const int32_t *tissue, int32_t n, double fat,
-                             const sn_run *run, double *x, double *field, sn_error *err)
-{
-    size_t n_vert = (size_t)s->body->mesh.n_vert;
-    int threads = sn_run_threads(run);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (int32_t k = 0; k < n; k++) tissue_rhs(s, tissue[k], fat, x + (size_t)k * (size_t)s->n_free);
-    sn_status st = sn_cholesky_solve(s->cholesky, x, n, run, err);
-    if (st) return st;
-    double worst = 0.0;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) reduction(max : worst)
-    for (int32_t k = 0; k < n; k++) {
-        double *b = x + (size_t)k * (size_t)s->n_free;
-        sn_tissue_put_field(s, tissue[k], fat, b, field);
-        worst = fmax(
-            worst, sn_tissue_residual(s, &s->matrix, tissue[k], fat, field + (size_t)tissue[k] * n_vert, b));
-    }
-    s->report.residual = fmax(s->report.residual, worst);
-    return SN_OK;
-}
-
-sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted, const sn_run *run,
+sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted,
+                                 const sn_tissue_quick *quick, sn_tissue_stamp *stamp, const sn_run *run,
                                  double *field, sn_error *err)
 {
     if (!(fat >= 0.0 && isfinite(fat))) return sn_fail(err, SN_EINVAL, "fat is %g, need >= 0", fat);
-    if (!s->has_curves) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
+    if (s->revision == 0) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
     int32_t n = 0, n_tissue = s->n_muscle + 1;
     int32_t *tissue = SN_NEW(int32_t, n_tissue);
     if (!tissue) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n_tissue);
     for (int32_t i = 0; i < n_tissue; i++)
         if (!wanted || wanted[i]) tissue[n++] = i;
-    s->report.residual = s->report.seconds_solve = 0.0;
-    s->report.n_solved = n;
-    sn_status st = n > 0 ? need_factor(s, run, err) : SN_OK;
-    double start = sn_clock();
-    double *x = SN_NEW(double, (size_t)(n < BLOCK ? n : BLOCK) * (size_t)s->n_free);
-    if (!st && !x) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", n);
-    for (int32_t first = 0; !st && first < n; first += BLOCK) {
-        st = sn_run_step(run, "solving", (double)first / n, err);
-        if (!st)
-            st = solve_block(s, tissue + first, n - first < BLOCK ? n - first : BLOCK, fat, run, x, field,
-                             err);
-    }
-    s->report.seconds_solve = sn_clock() - start;
-    sn_release(x);
+    s->report.seconds_factor = s->report.seconds_solve = 0.0;
+    s->report.was_factorized = false;
+    bool has_fat = n > 0 && tissue[0] == 0;
+    if (has_fat) s->has_cover = false;
+    sn_status st =
+        n > 0 ? solve_checked(s, (tissue_block){tissue, n, fat, quick, stamp, field}, run, err) : SN_OK;
+    if (!st && has_fat) s->has_cover = !quick || !quick->was_kept[0];
+    s->report.n_kept = n - s->report.n_solved;
+    sn_tissue_rows rows = sn_tissue_rows_of(s);
+    if (!st && stamp) st = sn_tissue_system_settle(&s->system, &rows, stamp, n_tissue, err);
     sn_release(tissue);
     return st;
+}
+
+/* ---- fat ---- */
+
+void sn_tissue_put_fat(const sn_tissue_solver *s, double fat, double *field)
+{
+    for (int32_t v = 0; v < s->body->mesh.n_vert; v++)
+        field[v] = s->number[v] >= 0 ? fat * (1.0 - s->cover[s->number[v]]) : fat;
+}
+
+bool sn_tissue_solver_set_fat(const sn_tissue_solver *s, double fat, double *field)
+{
+    if (s->has_cover) sn_tissue_put_fat(s, fat, field);
+    return s->has_cover;
+}
+
+/* ---- what else there is ---- */
+
+bool sn_tissue_solver_has_factor(const sn_tissue_solver *s)
+{
+    return sn_cholesky_is_factorized(s->system.cholesky);
 }
 
 sn_status sn_tissue_solver_harmonic(const sn_tissue_solver *s, sn_harmonic **out, const sn_run *run,
                                     sn_error *err)
 {
-    return sn_harmonic_create(out, &s->laplacian, s->number, s->n_free, s->cholesky, run, err);
+    return sn_harmonic_create(out, &s->laplacian, s->number, s->n_free, s->system.cholesky, run, err);
 }
 
 const sn_tissue_report *sn_tissue_solver_report(const sn_tissue_solver *s)

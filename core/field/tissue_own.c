@@ -2,12 +2,14 @@
 #include "base/alloc.h"
 #include "field/tissue_private.h"
 
+/* Factors that are kept when as many are not needed at once. */
+#define MOST_ROOMS 8
+
 void sn_tissue_close_room(own_room *r)
 {
     if (!r) return;
-    sn_cholesky_destroy(r->cholesky);
+    sn_tissue_system_free(&r->system);
     sn_release(r->val);
-    sn_release(r->x);
     sn_release(r);
 }
 
@@ -17,9 +19,8 @@ static sn_status open_room(const sn_tissue_solver *s, own_room **out, sn_error *
     *out = NULL;
     if (!r) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
     r->val = SN_NEW(double, s->laplacian.ptr[s->laplacian.n]);
-    r->x = SN_NEW(double, s->n_free);
-    sn_status st = r->val && r->x ? sn_cholesky_clone(&r->cholesky, s->cholesky, err)
-                                  : sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    sn_status st = r->val ? sn_cholesky_clone(&r->system.cholesky, s->system.cholesky, err)
+                          : sn_fail(err, SN_ENOMEM, "tissue: no memory");
     if (st)
         sn_tissue_close_room(r);
     else
@@ -37,17 +38,30 @@ static sn_status add_room(sn_tissue_solver *s, own_room **out, sn_error *err)
     return st;
 }
 
-/* One that nobody is in; a new one when there is none. */
-static sn_status take_room(sn_tissue_solver *s, own_room **out, sn_error *err)
+/* The muscle's own, else a new one while there are few, else the one that was left longest ago. */
+static own_room *find_room(const sn_tissue_solver *s, uint64_t id)
+{
+    own_room *oldest = NULL;
+    for (int32_t i = 0; i < s->n_room; i++) {
+        own_room *r = s->room[i];
+        if (r->is_taken) continue;
+        if (r->id == id) return r;
+        if (!oldest || r->last_use < oldest->last_use) oldest = r;
+    }
+    return s->n_room < MOST_ROOMS ? NULL : oldest;
+}
+
+static sn_status take_room(sn_tissue_solver *s, uint64_t id, own_room **out, sn_error *err)
 {
     sn_status st = SN_OK;
-    *out = NULL;
 #pragma omp critical(sn_tissue_room)
     {
-        for (int32_t i = 0; i < s->n_room && !*out; i++)
-            if (!s->room[i]->is_taken) *out = s->room[i];
+        *out = find_room(s, id);
         if (!*out) st = add_room(s, out, err);
-        if (!st) (*out)->is_taken = true;
+        if (!st) {
+            (*out)->is_taken = true;
+            (*out)->last_use = ++s->n_use;
+        }
     }
     return st;
 }
@@ -58,54 +72,57 @@ static void leave_room(own_room *r)
     r->is_taken = false;
 }
 
-/* The right-hand side has entries at the corners of crossed tets only. */
-static sn_status solve_for_rows(const sn_tissue_solver *s, int32_t i_muscle, own_room *r, const sn_run *run,
-                                sn_error *err)
+typedef struct own_fill {
+    const sn_tissue_solver *s;
+    const double *tensor;
+} own_fill;
+
+static void fill_anisotropic(const void *user, sn_csr *matrix)
 {
-    const sn_collocation *c = s->muscle[i_muscle].row;
-    int32_t n = 0, *index = SN_NEW(int32_t, 4 * (size_t)c->n_row);
-    double *value = SN_NEW(double, 4 * (size_t)c->n_row);
-    sn_status st =
-        index && value ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", c->n_row);
-    for (size_t k = 0; !st && k < 4 * (size_t)c->n_row; k++) {
-        index[n] = s->number[s->body->mesh.tet[4 * (size_t)c->tet[k / 4] + k % 4]];
-        value[n] = s->alpha * c->bary[k] * c->value[k / 4];
-        n += index[n] >= 0;
-    }
-    if (!st) st = sn_cholesky_solve_few(r->cholesky, index, value, n, run, r->x, err);
-    sn_release(index);
-    sn_release(value);
+    const own_fill *f = user;
+    sn_laplacian_set_anisotropic(matrix, &f->s->assembly, &f->s->body->mesh, f->tensor);
+}
+
+static sn_status solve_in(const sn_tissue_solver *s, const sn_tissue_own *own, own_room *r,
+                          const sn_tissue_quick *quick, sn_tissue_stamp *stamp, const sn_run *run,
+                          double *field, double *residual, bool *was_factorized, sn_error *err)
+{
+    const own_fill fill = {s, own->tensor};
+    const int32_t tissue = 1 + own->i_muscle;
+    const tissue_block block = {&tissue, 1, 0.0, quick, stamp, field};
+    sn_tissue_rows rows = sn_tissue_rows_of(s);
+    sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
+    int32_t n_solved;
+    matrix.val = r->val;
+    if (r->id != s->muscle[own->i_muscle].id || r->tensor_id != own->tensor_id)
+        sn_tissue_system_forget(&r->system);
+    r->id = s->muscle[own->i_muscle].id;
+    r->tensor_id = own->tensor_id;
+    sn_status st = sn_tissue_system_follow(&r->system, &rows, quick != NULL, &matrix, fill_anisotropic, &fill,
+                                           run, was_factorized, err);
+    if (!st) st = sn_tissue_solve_block(s, &r->system, &block, NULL, run, residual, &n_solved, err);
+    if (!st && stamp) st = sn_tissue_system_settle(&r->system, &rows, stamp + tissue, 1, err);
     return st;
 }
 
-static sn_status solve_in(const sn_tissue_solver *s, int32_t i_muscle, const double *tensor, own_room *r,
-                          const sn_run *run, double *field, double *residual, sn_error *err)
-{
-    sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
-    matrix.val = r->val;
-    sn_status st = sn_run_step(run, "assembling", -1.0, err);
-    if (st) return st;
-    sn_laplacian_set_anisotropic(&matrix, &s->assembly, &s->body->mesh, tensor);
-    sn_tissue_add_rows(s, &matrix);
-    st = sn_cholesky_factorize(r->cholesky, &matrix, run, err);
-    if (st) return st;
-    st = solve_for_rows(s, i_muscle, r, run, err);
-    if (st) return st;
-    sn_tissue_put_field(s, 1 + i_muscle, 0.0, r->x, field);
-    const double *own = field + (1 + (size_t)i_muscle) * (size_t)s->body->mesh.n_vert;
-    *residual = sn_tissue_residual(s, &matrix, 1 + i_muscle, 0.0, own, r->x);
-    return SN_OK;
-}
-
-sn_status sn_tissue_solver_solve_own(sn_tissue_solver *s, int32_t i_muscle, const double *tensor,
-                                     const sn_run *run, double *field, double *residual, sn_error *err)
+sn_status sn_tissue_solver_solve_own(sn_tissue_solver *s, const sn_tissue_own *own,
+                                     const sn_tissue_quick *quick, sn_tissue_stamp *stamp, const sn_run *run,
+                                     double *field, double *residual, bool *was_factorized, sn_error *err)
 {
     own_room *r;
-    if (!s->has_curves) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
-    sn_status st = take_room(s, &r, err);
+    if (s->revision == 0) return sn_fail(err, SN_EINVAL, "tissue: no curves set");
+    const sn_tissue_muscle *m = &s->muscle[own->i_muscle];
+    sn_status st = take_room(s, m->id, &r, err);
     if (st) return st;
-    st = solve_in(s, i_muscle, tensor, r, run, field, residual, err);
+    *residual = 0.0;
+    st = solve_in(s, own, r, quick, stamp, run, field, residual, was_factorized, err);
+    bool is_lost = !st && *residual > SN_RESIDUAL_TOO_LARGE && sn_low_rank_count(r->system.change) > 0;
+    if (is_lost) {
+        sn_tissue_system_forget(&r->system);
+        if (quick) quick->was_kept[1 + own->i_muscle] = false;
+        st = solve_in(s, own, r, NULL, stamp, run, field, residual, was_factorized, err);
+    }
     leave_room(r);
     if (!st || st == SN_ECANCEL || st == SN_ELIMIT) return st;
-    return sn_fail_prefix(err, st, "muscle '%s': ", s->muscle[i_muscle].name);
+    return sn_fail_prefix(err, st, "muscle '%s': ", m->name);
 }

@@ -3,43 +3,74 @@
 #ifndef SN_FIELD_TISSUE_PRIVATE_H
 #define SN_FIELD_TISSUE_PRIVATE_H
 
-#include "field/cholesky.h"
 #include "field/tissue.h"
+#include "field/tissue_system.h"
 
-/* Room for one anisotropic muscle. Kept from solve to solve: the pages of a new factor cost as much as a good
- * part of filling it. */
+/* The matrix of one anisotropic muscle. Kept from solve to solve: its factor serves until its tensor changes,
+ * and the pages of a new factor cost as much as a good part of filling it. */
 typedef struct own_room {
-    sn_cholesky *cholesky;
-    double *val, *x; /* of the matrix, n_free */
+    sn_tissue_system system;
+    double *val;            /* the matrix, in the pattern of L   */
+    uint64_t id, tensor_id; /* of the muscle and tensor that the factor is of; 0: none */
+    uint64_t last_use;
     bool is_taken;
 } own_room;
 
 struct sn_tissue_solver {
     const sn_body *body;
-    sn_csr laplacian, matrix; /* L, and L + alpha B'B of the same pattern */
+    sn_csr laplacian;
+    double *matrix; /* L + alpha B'B, in the pattern of L */
     sn_assembly assembly;
-    int32_t *number; /* n_vert: index among the unknowns, -1 on the skin */
+    int32_t *number;    /* n_vert: index among the unknowns, -1 on the skin */
+    int32_t *vertex_of; /* n_free */
     int32_t n_free;
-    sn_cholesky *cholesky;
+    sn_tissue_system system;
+    double *cover; /* n_free: h, see tissue.h */
+    bool has_cover;
     const sn_tissue_muscle *muscle;
     int32_t n_muscle;
     double alpha;
-    bool has_curves, has_factor;
-    own_room **room; /* n_room: as many as were ever needed at once */
+    sn_row_set set;    /* all rows of the muscles */
+    uint64_t revision; /* of the rows; 0: no curves set */
+    own_room **room;   /* n_room */
     int32_t n_room;
+    uint64_t n_use; /* of rooms */
     sn_tissue_report report;
 };
 
-/* matrix += alpha B'B; a row of B touches the four corners of one tet, so it stays in the pattern of L. */
-void sn_tissue_add_rows(const sn_tissue_solver *s, sn_csr *matrix);
-/* b = alpha B' d_i on the unknowns: the skin value of a muscle is 0. */
-void sn_tissue_muscle_rhs(const sn_tissue_solver *s, int32_t i_muscle, double *b);
-/* The whole field of a tissue, into its row of field, from the solution on the unknowns. */
-void sn_tissue_put_field(const sn_tissue_solver *s, int32_t tissue, double fat, const double *x,
-                         double *field);
-/* max |A x - b| / max |b| for one tissue whose field is whole (skin values in place). b: room for n_free. */
-double sn_tissue_residual(const sn_tissue_solver *s, const sn_csr *matrix, int32_t tissue, double fat,
-                          const double *field, double *b);
+/* More than rounding: the change since the factor has lost too many digits. */
+#define SN_RESIDUAL_TOO_LARGE 1e-10
+
+/* The row of fat from the cover. */
+void sn_tissue_put_fat(const sn_tissue_solver *s, double fat, double *field);
+sn_tissue_rows sn_tissue_rows_of(const sn_tissue_solver *s);
 void sn_tissue_close_room(own_room *r); /* NULL is fine */
+
+/* ---- right-hand sides (tissue_rhs.c) ---- */
+
+/* b of tissues: alpha B_i' d_i on the unknowns; of fat alpha B' 1. */
+typedef struct tissue_rhs {
+    int32_t n, *ptr, *index;
+    double *value;
+} tissue_rhs;
+SN_MUST_USE sn_status sn_tissue_rhs_init(tissue_rhs *b, const sn_tissue_solver *s, const int32_t *tissue,
+                                         int32_t n, sn_error *err);
+void sn_tissue_rhs_free(tissue_rhs *b);
+
+/* ---- solving by a system (tissue_block.c) ---- */
+
+typedef struct tissue_block { /* some tissues, together */
+    const int32_t *tissue;
+    int32_t n;
+    double fat;
+    const sn_tissue_quick *quick;
+    sn_tissue_stamp *stamp; /* NULL: of no interest */
+    double *field;
+} tissue_block;
+/* residual: NULL to skip. *n_solved: those that were not kept. cover: the solver's when the block may have
+ * fat. */
+SN_MUST_USE sn_status sn_tissue_solve_block(const sn_tissue_solver *s, const sn_tissue_system *system,
+                                            const tissue_block *b, double *cover, const sn_run *run,
+                                            double *residual, int32_t *n_solved, sn_error *err);
 
 #endif

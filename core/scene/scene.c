@@ -93,15 +93,24 @@ void sn_scene_stale_body(sn_scene *s)
     s->harmonic = NULL;
     s->has_body = false;
     for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->has_row = s->muscle[i]->has_tensor = false;
-    sn_scene_stale_muscles(s);
+    sn_scene_drop_fields(s, -1);
+    sn_scene_stale_curves(s);
 }
 
-void sn_scene_stale_muscles(sn_scene *s)
+void sn_scene_drop_fields(sn_scene *s, int32_t i_muscle)
 {
-    sn_scene_stale_curves(s);
+    size_t n_vert = (size_t)s->body.mesh.n_vert;
+    if (i_muscle >= 0 && i_muscle + 1 < s->n_field) {
+        double *row = s->field + (size_t)(1 + i_muscle) * n_vert;
+        memmove(row, row + n_vert, (size_t)(s->n_field - i_muscle - 2) * n_vert * sizeof *row);
+        s->n_field--;
+    }
+    if (i_muscle >= 0) return;
     sn_release(s->field);
     s->field = NULL;
-    s->has_field = false;
+    s->n_field = 0;
+    s->is_fat_edited = true;
+    for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->is_edited = true;
 }
 
 void sn_scene_stale_curves(sn_scene *s)
@@ -109,20 +118,22 @@ void sn_scene_stale_curves(sn_scene *s)
     s->revision++;
     sn_release(s->inputs);
     s->inputs = NULL;
-    s->has_factor = false;
-    s->is_fat_solved = false;
+    s->has_curves = s->is_fat_solved = s->is_quick = false;
     for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->is_solved = false;
 }
 
 void sn_scene_stale_field(sn_scene *s, int32_t i_muscle)
 {
     s->revision++;
+    s->is_quick = false;
     if (i_muscle < 0) {
         s->is_fat_solved = false;
+        s->is_fat_edited = true;
         return;
     }
-    s->muscle[i_muscle]->is_solved = false;
-    s->muscle[i_muscle]->has_row = false; /* d is in the row; B does not change */
+    scene_muscle *m = s->muscle[i_muscle];
+    m->is_solved = m->has_row = false; /* d is in the row; B does not change */
+    m->is_edited = true;
 }
 
 /* ---- fat and alpha ---- */

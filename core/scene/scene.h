@@ -113,10 +113,19 @@ typedef struct sn_solve_report {
     int32_t n_anisotropic;   /* of n_solved, with a factorization of their own                   */
     double seconds_frames, seconds_anisotropic; /* summed over these muscles, which run side by side:
                                                    frames and tensors; assembly, factor, solution  */
+    bool was_quick;                             /* some fields were left as they were: within tolerance */
 } sn_solve_report;
 /* Brings the fields up to date; does nothing when they are. report: NULL to skip. Errors: SN_EINVAL (no skin,
  * no muscles, a curve that never enters the body), and those of the steps it runs. */
 SN_MUST_USE sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report, sn_error *err);
+/* For the picture while something is edited: fields that an edit elsewhere changes by less than 1e-3 of the
+ * largest tissue value may stay as they are. They are solved for when something exact is asked for. Errors as
+ * above. */
+SN_MUST_USE sn_status sn_scene_solve_quick(sn_scene *s, const sn_run *run, sn_solve_report *report,
+                                           sn_error *err);
+/* Whether the last solve that had something to do solved for this tissue, and made a factor for it alone. */
+bool sn_scene_was_solved(const sn_scene *s, int32_t i_tissue);
+bool sn_scene_was_factorized(const sn_scene *s, int32_t i_tissue);
 int32_t sn_scene_tissue_count(const sn_scene *s);                      /* 1 + muscles */
 const char *sn_scene_tissue_name(const sn_scene *s, int32_t i_tissue); /* "fat", then the muscles */
 /* Values of all tissues at p (tissue_count of them); *inside false outside of the tet mesh. Solves first if
@@ -132,6 +141,8 @@ SN_MUST_USE sn_status sn_scene_extract(sn_scene *s, const sn_extract_options *op
                                        sn_extraction *out, sn_error *err);
 /* The tissue fields, n_tissue x n_vert, NULL while stale. */
 const double *sn_scene_fields(const sn_scene *s);
+/* The same, or those of a quick solve; NULL while stale. */
+const double *sn_scene_picture_fields(const sn_scene *s);
 
 /* opt->camera comes from the caller; see sn_scene_bounds. n_fiber: lines in each muscle when fibers are
  * shown, at least 1. Frames are drawn of muscles that have one (sn_anisotropy is_on, or pennate fibers).

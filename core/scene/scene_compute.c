@@ -64,9 +64,14 @@ sn_status sn_scene_need_body(sn_scene *s, const sn_run *run, bool *was_meshed, s
 
 const double *sn_scene_fields(const sn_scene *s)
 {
-    bool fresh = s->has_field && s->has_factor && s->is_fat_solved && s->is_volume_kept;
+    bool fresh = s->has_curves && s->is_fat_solved && s->is_volume_kept;
     for (int32_t i = 0; fresh && i < s->n_muscle; i++) fresh = s->muscle[i]->is_solved;
     return fresh ? s->field : NULL;
+}
+
+const double *sn_scene_picture_fields(const sn_scene *s)
+{
+    return s->is_quick ? s->field : sn_scene_fields(s);
 }
 
 int32_t sn_scene_tissue_count(const sn_scene *s)

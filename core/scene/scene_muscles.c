@@ -47,8 +47,10 @@ sn_status sn_scene_add_heads(sn_scene *s, const char *name, const sn_head_points
         sn_release(m);
         return st;
     }
+    m->id = ++s->n_made;
+    m->is_edited = true;
     s->muscle[s->n_muscle++] = m;
-    sn_scene_stale_muscles(s);
+    sn_scene_stale_curves(s);
     return SN_OK;
 }
 
@@ -73,10 +75,11 @@ sn_status sn_scene_remove_muscle(sn_scene *s, const char *name, sn_error *err)
     int32_t i;
     sn_status st = sn_scene_find_muscle(s, name, &i, err);
     if (st) return st;
+    sn_scene_drop_fields(s, i);
     sn_scene_free_muscle(s->muscle[i]);
     memmove(&s->muscle[i], &s->muscle[i + 1], (size_t)(s->n_muscle - i - 1) * sizeof *s->muscle);
     s->n_muscle--;
-    sn_scene_stale_muscles(s);
+    sn_scene_stale_curves(s);
     return SN_OK;
 }
 
@@ -120,6 +123,7 @@ static sn_status curve_edited(sn_scene *s, int32_t i_muscle, int32_t i_head, sn_
     scene_muscle *m = s->muscle[i_muscle];
     if (st) return sn_muscle_blame(&m->muscle, i_head, st, err);
     m->has_row = m->has_paths = m->has_tensor = false;
+    m->is_edited = true;
     sn_scene_stale_curves(s);
     return SN_OK;
 }
@@ -182,7 +186,8 @@ sn_status sn_scene_set_anisotropy(sn_scene *s, int32_t i_muscle, const sn_anisot
     sn_anisotropy old = m->muscle.anisotropy;
     st = sn_muscle_set_anisotropy(&m->muscle, a, err);
     if (st || same_tensor(&old, a)) return st;
-    m->has_paths = m->has_tensor = m->is_solved = false;
+    m->has_paths = m->has_tensor = m->is_solved = s->is_quick = false;
+    m->is_edited = true;
     s->revision++;
     return SN_OK;
 }

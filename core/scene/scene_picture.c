@@ -194,7 +194,7 @@ static sn_status make_fibers(sn_scene *s, int32_t n, drawing *d, const sn_run *r
 static sn_status make_drawing(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber, const sn_run *run,
                               drawing *d, sn_error *err)
 {
-    bool has_fields = s->n_muscle > 0 && sn_scene_fields(s);
+    bool has_fields = s->n_muscle > 0 && sn_scene_picture_fields(s);
     d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
     if (!d->bone) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) /* nothing may be left of it in a half model */
@@ -228,7 +228,7 @@ sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, int32_t n_
     sn_polylines_init(&d.lines, false);
     sn_picture_scene p = {0};
     bool wants_fields = (opt->show_muscles || opt->show_fibers || opt->has_clip) && s->n_muscle > 0;
-    sn_status st = wants_fields ? sn_scene_solve(s, run, NULL, err) : SN_OK;
+    sn_status st = wants_fields && !sn_scene_picture_fields(s) ? sn_scene_solve(s, run, NULL, err) : SN_OK;
     if (!st) st = make_drawing(s, opt, n_fiber, run, &d, err);
     if (!st) show_drawing(s, &d, &p);
     if (!st && wants_fields) {

@@ -26,8 +26,12 @@ typedef struct scene_muscle {
     bool has_paths;
     double *tensor; /* n_vert x 6 on the body as it is, when has_tensor; owned */
     bool has_tensor;
-    bool is_solved;     /* its field is that of its tissue values, curves and tensor */
-    double kept_volume; /* what each solve scales it to; 0: its volume is free       */
+    uint64_t id, tensor_stamp;       /* other ones for another muscle, another tensor           */
+    bool is_solved;                  /* its field is that of all curves, its tissue values and tensor */
+    sn_tissue_stamp stamp;           /* of its field                                                */
+    bool is_edited;                  /* it has no field, or one of other curves or values of its own  */
+    bool was_solved, was_factorized; /* by the last solve that had something to do             */
+    double kept_volume;              /* what each solve scales it to; 0: its volume is free       */
 } scene_muscle;
 
 /* What is computed, and up to where it is valid. Each step needs the ones before it. */
@@ -62,17 +66,20 @@ struct sn_scene {
     sn_solve_report solved;   /* the last solve that had something to do               */
     sn_harmonic *harmonic;    /* with the body; NULL until there is reason to make it  */
     sn_tissue_muscle *inputs; /* what the solver was given                             */
-    bool has_factor;          /* for the curves as they are                            */
-    double *field;            /* (1 + n_muscle) x n_vert                               */
-    bool has_field;           /* field has rows for these muscles on this body         */
-    bool is_fat_solved;
+    bool has_curves;          /* it was given the curves as they are                   */
+    double *field;            /* n_field x n_vert; row 1 + i is muscle i's             */
+    int32_t n_field;
+    bool is_fat_solved, is_fat_edited, was_fat_solved; /* as of a muscle                          */
+    sn_tissue_stamp fat_stamp;
     bool is_volume_kept; /* the fields are those of the volumes to be kept        */
+    bool is_quick;       /* the fields are good enough for a picture              */
+    uint64_t n_made;     /* muscles and tensors: where their ids and stamps come from */
 };
 
 /* ---- staleness: what an edit marks ---- */
 void sn_scene_stale_body(sn_scene *s);                    /* skin or bones                       */
 void sn_scene_stale_curves(sn_scene *s);                  /* a curve, alpha, the set of muscles  */
-void sn_scene_stale_muscles(sn_scene *s);                 /* the set of muscles: other fields    */
+void sn_scene_drop_fields(sn_scene *s, int32_t i_muscle); /* of a muscle, before it goes; -1: all */
 void sn_scene_stale_field(sn_scene *s, int32_t i_muscle); /* tissue values; -1: fat              */
 
 /* ---- what the steps need ---- */

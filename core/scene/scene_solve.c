@@ -13,7 +13,7 @@ static sn_status need_rows(sn_scene *s, sn_error *err)
     for (int32_t i = 0; i < s->n_muscle; i++) {
         scene_muscle *m = s->muscle[i];
         if (m->has_row) continue;
-        sn_notes *notes = s->has_factor ? NULL : &s->notes; /* only tissue values changed: said before */
+        sn_notes *notes = s->has_curves ? NULL : &s->notes; /* only tissue values changed: said before */
         sn_status st = sn_collocate(&m->muscle, &s->body, s->locator, &m->row, notes, err);
         if (st) return st;
         m->has_row = true;
@@ -28,12 +28,14 @@ static sn_status need_solver(sn_scene *s, const sn_run *run, sn_error *err)
 
 static sn_status need_curves(sn_scene *s, sn_error *err)
 {
-    if (s->has_factor) return SN_OK;
+    if (s->has_curves) return SN_OK;
     if (!s->inputs) s->inputs = SN_NEW(sn_tissue_muscle, s->n_muscle);
     if (!s->inputs) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_muscle; i++)
-        s->inputs[i] = (sn_tissue_muscle){s->muscle[i]->muscle.name, &s->muscle[i]->row};
-    return sn_tissue_solver_set_curves(s->solver, s->inputs, s->n_muscle, s->alpha, err);
+        s->inputs[i] = (sn_tissue_muscle){s->muscle[i]->muscle.name, &s->muscle[i]->row, s->muscle[i]->id};
+    sn_status st = sn_tissue_solver_set_curves(s->solver, s->inputs, s->n_muscle, s->alpha, err);
+    s->has_curves = st == SN_OK;
+    return st;
 }
 
 /* ---- items ---- */
@@ -53,7 +55,16 @@ typedef struct solve_job {
     int32_t *item, n_item;
     double *residual, *seconds_frame, *seconds_own; /* n_muscle */
     bool frames_wait;                               /* for the factor that spreads them   */
+    bool *was_kept, *is_edited;                     /* 1 + n_muscle                       */
+    sn_tissue_quick quick;                          /* of these two                       */
+    sn_tissue_stamp *stamp;                         /* 1 + n_muscle                       */
+    bool is_quick, is_fat_scaled;
 } solve_job;
+
+static const sn_tissue_quick *quick_of(const solve_job *job)
+{
+    return job->is_quick ? &job->quick : NULL;
+}
 
 static sn_status make_tensor(const sn_scene *s, scene_muscle *m, const sn_run *run, sn_error *err)
 {
@@ -66,6 +77,7 @@ static sn_status make_tensor(const sn_scene *s, scene_muscle *m, const sn_run *r
     if (!st) sn_tensor_field(frame, n, m->muscle.anisotropy.eigenvalue, m->tensor);
     sn_release(frame);
     m->has_tensor = st == SN_OK;
+    m->tensor_stamp++;
     return sn_muscle_blame(&m->muscle, -1, st, err);
 }
 
@@ -77,7 +89,10 @@ static sn_status solve_own(const solve_job *job, int32_t i, const sn_run *run, s
     sn_status st = m->has_tensor ? SN_OK : make_tensor(s, m, run, err);
     job->seconds_frame[i] = sn_clock() - start;
     start = sn_clock();
-    if (!st) st = sn_tissue_solver_solve_own(s->solver, i, m->tensor, run, s->field, &job->residual[i], err);
+    const sn_tissue_own own = {i, m->tensor, m->tensor_stamp};
+    if (!st)
+        st = sn_tissue_solver_solve_own(s->solver, &own, quick_of(job), job->stamp, run, s->field,
+                                        &job->residual[i], &m->was_factorized, err);
     job->seconds_own[i] = sn_clock() - start;
     return st;
 }
@@ -85,9 +100,8 @@ static sn_status solve_own(const solve_job *job, int32_t i, const sn_run *run, s
 static sn_status solve_shared(const solve_job *job, const sn_run *run, sn_error *err)
 {
     sn_scene *s = job->scene;
-    sn_status st = sn_tissue_solver_solve(s->solver, s->fat, job->is_shared, run, s->field, err);
-    if (!st) s->has_factor = true;
-    return st;
+    return sn_tissue_solver_solve(s->solver, s->fat, job->is_shared, quick_of(job), job->stamp, run, s->field,
+                                  err);
 }
 
 /* Made before it is needed when a thread has nothing else to do: no harm then if it cannot be had. */
@@ -117,10 +131,10 @@ static sn_status do_items(solve_job *job, const sn_run *run, sn_error *err)
 static sn_status run_items(solve_job *job, const sn_run *run, sn_error *err)
 {
     sn_scene *s = job->scene;
-    bool any_shared = !s->has_factor;
+    bool any_shared = false;
     for (int32_t i = 0; i <= s->n_muscle; i++) any_shared = any_shared || job->is_shared[i];
     if (any_shared) job->item[job->n_item++] = ITEM_SHARED;
-    bool is_idle = any_shared && !s->has_factor && sn_run_threads(run) > 1;
+    bool is_idle = any_shared && !sn_tissue_solver_has_factor(s->solver) && sn_run_threads(run) > 1;
     if (!s->harmonic && (job->frames_wait || is_idle)) job->item[job->n_item++] = ITEM_HARMONIC;
     sn_status st = SN_OK;
     if (job->frames_wait) st = do_items(job, run, err);
@@ -138,7 +152,49 @@ static void drop_tensor(scene_muscle *m)
     m->has_tensor = false;
 }
 
-static sn_status begin_job(solve_job *job, sn_scene *s, sn_error *err)
+/* A row for each tissue; rows that are there stay. */
+static sn_status need_room(sn_scene *s, sn_error *err)
+{
+    size_t n_vert = (size_t)s->body.mesh.n_vert, n = 1 + (size_t)s->n_muscle;
+    if (s->n_field >= (int32_t)n) return SN_OK;
+    double *field = sn_realloc(s->field, n, n_vert * sizeof *field);
+    if (!field) return sn_scene_no_memory(err);
+    s->field = field;
+    s->n_field = (int32_t)n;
+    return SN_OK;
+}
+
+/* Of the largest tissue value: 1e-3 is promised, and a field may change more than the places show at which
+ * its change is measured. */
+#define QUICK_REL 2e-4
+
+static double largest_value(const sn_scene *s)
+{
+    double largest = s->fat;
+    for (int32_t i = 0; i < s->n_muscle; i++)
+        for (int32_t r = 0; r < s->muscle[i]->row.n_row; r++)
+            largest = fmax(largest, s->muscle[i]->row.value[r]);
+    return largest;
+}
+
+static void choose_tissues(solve_job *job, sn_scene *s)
+{
+    job->is_shared[0] = !s->is_fat_solved && !sn_tissue_solver_set_fat(s->solver, s->fat, s->field);
+    job->is_fat_scaled = !s->is_fat_solved && !job->is_shared[0];
+    job->is_edited[0] = s->is_fat_edited;
+    job->stamp[0] = s->fat_stamp;
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        scene_muscle *m = s->muscle[i];
+        bool is_own = is_anisotropic(&m->muscle);
+        if (!is_own) drop_tensor(m);
+        job->is_shared[1 + i] = !m->is_solved && !is_own;
+        job->is_edited[1 + i] = m->is_edited;
+        job->stamp[1 + i] = m->stamp;
+        job->frames_wait = job->frames_wait || (is_own && !m->has_tensor && !s->harmonic);
+    }
+}
+
+static sn_status begin_job(solve_job *job, sn_scene *s, bool is_quick, sn_error *err)
 {
     size_t n = (size_t)s->n_muscle;
     *job = (solve_job){.scene = s,
@@ -146,20 +202,18 @@ static sn_status begin_job(solve_job *job, sn_scene *s, sn_error *err)
                        .item = SN_NEW(int32_t, n + 2),
                        .residual = SN_NEW_ZERO(double, n),
                        .seconds_frame = SN_NEW_ZERO(double, n),
-                       .seconds_own = SN_NEW_ZERO(double, n)};
-    if (!s->field) s->field = SN_NEW(double, (1 + n) * (size_t)s->body.mesh.n_vert);
+                       .seconds_own = SN_NEW_ZERO(double, n),
+                       .was_kept = SN_NEW_ZERO(bool, n + 1),
+                       .is_edited = SN_NEW_ZERO(bool, n + 1),
+                       .stamp = SN_NEW_ZERO(sn_tissue_stamp, n + 1),
+                       .is_quick = is_quick};
     if (!job->is_shared || !job->item || !job->residual || !job->seconds_frame || !job->seconds_own ||
-        !s->field)
+        !job->was_kept || !job->is_edited || !job->stamp)
         return sn_scene_no_memory(err);
-    job->is_shared[0] = !s->is_fat_solved;
-    for (int32_t i = 0; i < s->n_muscle; i++) {
-        scene_muscle *m = s->muscle[i];
-        bool is_own = is_anisotropic(&m->muscle);
-        if (!is_own) drop_tensor(m);
-        job->is_shared[1 + i] = !m->is_solved && !is_own;
-        job->frames_wait = job->frames_wait || (is_own && !m->has_tensor && !s->harmonic);
-    }
-    return SN_OK;
+    job->quick = (sn_tissue_quick){job->is_edited, QUICK_REL * largest_value(s), job->was_kept};
+    sn_status st = need_room(s, err);
+    if (!st) choose_tissues(job, s);
+    return st;
 }
 
 static void end_job(solve_job *job)
@@ -169,6 +223,9 @@ static void end_job(solve_job *job)
     sn_release(job->residual);
     sn_release(job->seconds_frame);
     sn_release(job->seconds_own);
+    sn_release(job->was_kept);
+    sn_release(job->is_edited);
+    sn_release(job->stamp);
 }
 
 static void report_job(const solve_job *job, sn_solve_report *r)
@@ -176,62 +233,123 @@ static void report_job(const solve_job *job, sn_solve_report *r)
     const sn_scene *s = job->scene;
     r->tissue = *sn_tissue_solver_report(s->solver);
     int32_t n_shared = 0;
-    for (int32_t i = 0; i <= s->n_muscle; i++) n_shared += job->is_shared[i];
-    if (n_shared == 0) r->tissue.residual = r->tissue.seconds_solve = 0.0;
-    r->tissue.n_solved = n_shared;
+    for (int32_t i = 0; i <= s->n_muscle; i++) {
+        n_shared += job->is_shared[i];
+        r->was_quick = r->was_quick || job->was_kept[i];
+    }
+    if (n_shared == 0) { /* the solver had nothing to do but for single muscles */
+        r->tissue.residual = r->tissue.seconds_solve = r->tissue.seconds_factor = 0.0;
+        r->tissue.n_solved = r->tissue.n_kept = 0;
+        r->tissue.was_factorized = false;
+    }
+    r->tissue.n_solved += job->is_fat_scaled;
+    r->was_factorized = r->tissue.was_factorized;
     for (int32_t i = 0; i < s->n_muscle; i++) {
-        bool is_own = !s->muscle[i]->is_solved && is_anisotropic(&s->muscle[i]->muscle);
-        r->n_anisotropic += is_own;
-        r->tissue.n_solved += is_own;
+        const scene_muscle *m = s->muscle[i];
+        bool is_own = !m->is_solved && is_anisotropic(&m->muscle), is_kept = job->was_kept[1 + i];
+        r->n_anisotropic += is_own && !is_kept;
+        r->tissue.n_solved += is_own && !is_kept;
+        r->tissue.n_kept += is_own && is_kept;
         r->tissue.residual = fmax(r->tissue.residual, job->residual[i]);
         r->seconds_frames += job->seconds_frame[i];
         r->seconds_anisotropic += job->seconds_own[i];
     }
 }
 
+/* Which fields are those of all curves now. */
+static void mark_solved(const solve_job *job)
+{
+    sn_scene *s = job->scene;
+    s->was_fat_solved = job->is_fat_scaled || (job->is_shared[0] && !job->was_kept[0]);
+    if (!job->was_kept[0]) s->is_fat_solved = true;
+    s->is_fat_edited = false;
+    s->fat_stamp = job->stamp[0];
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        scene_muscle *m = s->muscle[i];
+        m->was_solved = !m->is_solved && !job->was_kept[1 + i];
+        if (!job->was_kept[1 + i]) m->is_solved = true;
+        m->is_edited = false;
+        m->stamp = job->stamp[1 + i];
+    }
+    s->is_quick = true;
+}
+
+/* Any row that was to be written may hold anything. */
+static void mark_failed(const solve_job *job)
+{
+    sn_scene *s = job->scene;
+    if (job->is_shared[0]) s->is_fat_edited = true;
+    for (int32_t i = 0; i < s->n_muscle; i++)
+        if (!s->muscle[i]->is_solved) s->muscle[i]->is_edited = true;
+}
+
 static bool is_stale(const sn_scene *s)
 {
-    bool stale = !s->is_fat_solved || !s->has_factor;
+    bool stale = !s->is_fat_solved || !s->has_curves;
     for (int32_t i = 0; i < s->n_muscle; i++) stale = stale || !s->muscle[i]->is_solved;
     return stale;
 }
 
-static sn_status need_values(sn_scene *s, const sn_run *run, sn_solve_report *r, sn_error *err)
+static sn_status need_values(sn_scene *s, bool is_quick, const sn_run *run, sn_solve_report *r, sn_error *err)
 {
-    if (!is_stale(s)) {
+    bool has_fields = is_quick ? s->is_quick : !is_stale(s);
+    if (has_fields) {
         *r = s->solved;
-        r->was_factorized = false;
+        r->was_factorized = r->tissue.was_factorized = false;
         return SN_OK;
     }
-    r->was_factorized = !s->has_factor;
     s->is_volume_kept = false;
+    for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->was_factorized = false;
     solve_job job;
-    sn_status st = begin_job(&job, s, err);
-    if (!st) st = sn_run_step(run, r->was_factorized ? "factorizing" : "solving", -1.0, err);
+    sn_status st = begin_job(&job, s, is_quick, err);
+    if (!st) st = sn_run_step(run, "solving", -1.0, err);
     if (!st) st = run_items(&job, run, err);
     if (!st) {
         report_job(&job, r);
         s->solved = *r;
-        s->is_fat_solved = s->has_field = true;
-        for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->is_solved = true;
+        mark_solved(&job);
+    } else if (job.is_shared) {
+        mark_failed(&job);
     }
     end_job(&job);
     return st;
 }
 
-sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report, sn_error *err)
+static sn_status solve(sn_scene *s, bool is_quick, const sn_run *run, sn_solve_report *report, sn_error *err)
 {
     sn_solve_report r = {0};
     double start = sn_clock();
     if (s->n_muscle == 0) return sn_fail(err, SN_EINVAL, "the scene has no muscles: add_muscle first");
     sn_status st = sn_scene_need_body(s, run, &r.was_meshed, err);
+    bool was_meshed = r.was_meshed;
     if (!st) st = need_rows(s, err);
     if (!st) st = need_solver(s, run, err);
     if (!st) st = need_curves(s, err);
-    if (!st) st = need_values(s, run, &r, err);
+    if (!st) st = need_values(s, is_quick, run, &r, err);
     if (!st && !s->is_volume_kept) st = sn_scene_keep_volumes(s, run, err);
     if (st) return st;
     r.seconds = sn_clock() - start;
+    r.was_meshed = was_meshed;
     if (report) *report = r;
     return SN_OK;
+}
+
+sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_report *report, sn_error *err)
+{
+    return solve(s, false, run, report, err);
+}
+
+sn_status sn_scene_solve_quick(sn_scene *s, const sn_run *run, sn_solve_report *report, sn_error *err)
+{
+    return solve(s, true, run, report, err);
+}
+
+bool sn_scene_was_solved(const sn_scene *s, int32_t i_tissue)
+{
+    return i_tissue == 0 ? s->was_fat_solved : s->muscle[i_tissue - 1]->was_solved;
+}
+
+bool sn_scene_was_factorized(const sn_scene *s, int32_t i_tissue)
+{
+    return i_tissue > 0 && s->muscle[i_tissue - 1]->was_factorized;
 }

@@ -183,9 +183,23 @@ static const help scenes[] = {
     {"scene:muscle", "scene:muscle(name) -> muscle"},
     {"scene:muscles", "scene:muscles() -> list of muscles in the order added"},
     {"scene:remove_muscle", "scene:remove_muscle(name)"},
-    {"scene:solve", "scene:solve() -> {seconds=, unknowns=, collocation_points=, residual=, ...}  solves the "
-                    "tissue functions; does nothing when they are up to date. seconds_frames and "
-                    "seconds_anisotropic are summed over the anisotropic muscles, which run side by side"},
+    {"scene:solve",
+     "scene:solve{quick=false, solver=} -> {seconds=, unknowns=, collocation_points=, residual=, tissues=, "
+     "factorized=, ...}  solves the tissue functions; does nothing when they are up to date. tissues: the "
+     "names of "
+     "those solved for. An edit is solved for by the factor of before (changed_rows: rows of the curves that "
+     "it does "
+     "not have); factorized: a new one was made, factorized_muscles: anisotropic ones that got one of their "
+     "own. "
+     "quick: for the picture while something is edited: fields that change by less than 1e-3 of the largest "
+     "tissue "
+     "value may stay (kept: how many); pictures then show these, and what else asks for fields solves "
+     "exactly first. "
+     "residual: |A x - b| over |b| of a sum of the fields. seconds_assembly and seconds_analysis are those "
+     "of the tet "
+     "mesh; seconds_factor, seconds_solve of this solve; seconds_frames and seconds_anisotropic are summed "
+     "over the "
+     "anisotropic muscles, which run side by side"},
     {"scene:values_at",
      "scene:values_at(p) -> {fat=, NAME=, ...} or nil  the tissue functions at p; nil outside the tet mesh"},
     {"scene:tissue_at", "scene:tissue_at(p) -> muscle name | \"fat\" | \"bone:NAME\" | nil outside"},

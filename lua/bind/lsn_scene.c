@@ -233,13 +233,29 @@ static int scene_tetrahedralize(lua_State *L)
     return 1;
 }
 
+/* A list of the names of those for which is_in holds. */
+static void set_tissues(lua_State *L, const sn_scene *s, const char *key,
+                        bool (*is_in)(const sn_scene *, int32_t))
+{
+    lua_Integer n = 0;
+    lua_newtable(L);
+    for (int32_t i = 0; i < sn_scene_tissue_count(s); i++) {
+        if (!is_in(s, i)) continue;
+        lua_pushstring(L, sn_scene_tissue_name(s, i));
+        lua_rawseti(L, -2, ++n);
+    }
+    lua_setfield(L, -2, key);
+}
+
 static void set_solve_report(lua_State *L, const sn_solve_report *s)
 {
     const sn_tissue_report *r = &s->tissue;
     lsn_set_integer(L, "unknowns", r->unknowns);
     lsn_set_integer(L, "collocation_points", r->collocation_points);
     lsn_set_integer(L, "factor_entries", r->factor_entries);
+    lsn_set_integer(L, "changed_rows", r->n_changed_rows);
     lsn_set_integer(L, "solved", r->n_solved);
+    lsn_set_integer(L, "kept", r->n_kept);
     lsn_set_number(L, "residual", r->residual);
     lsn_set_number(L, "seconds_assembly", r->seconds_assembly);
     lsn_set_number(L, "seconds_analysis", r->seconds_analysis);
@@ -248,19 +264,30 @@ static void set_solve_report(lua_State *L, const sn_solve_report *s)
     lsn_set_integer(L, "anisotropic", s->n_anisotropic);
     lsn_set_number(L, "seconds_frames", s->seconds_frames);
     lsn_set_number(L, "seconds_anisotropic", s->seconds_anisotropic);
+    lsn_set_number(L, "seconds", s->seconds);
+    lsn_set_bool(L, "meshed", s->was_meshed);
+    lsn_set_bool(L, "factorized", s->was_factorized);
+    lsn_set_bool(L, "quick", s->was_quick);
 }
 
 static int scene_solve(lua_State *L)
 {
+    static const char *const keys[] = {"quick", NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     sn_solve_report r = {0};
     sn_error err;
-    lsn_scene_must(L, s, sn_scene_solve(s, run_of(L), &r, &err), &err);
-    lua_createtable(L, 0, 12);
+    bool is_quick = false;
+    if (!lua_isnoneornil(L, 2)) {
+        lsn_check_keys(L, 2, keys);
+        is_quick = lsn_opt_bool(L, 2, "quick", false);
+    }
+    sn_status st =
+        is_quick ? sn_scene_solve_quick(s, run_of(L), &r, &err) : sn_scene_solve(s, run_of(L), &r, &err);
+    lsn_scene_must(L, s, st, &err);
+    lua_createtable(L, 0, 20);
     set_solve_report(L, &r);
-    lsn_set_bool(L, "meshed", r.was_meshed);
-    lsn_set_bool(L, "factorized", r.was_factorized);
-    lsn_set_number(L, "seconds", r.seconds);
+    set_tissues(L, s, "tissues", sn_scene_was_solved);
+    set_tissues(L, s, "factorized_muscles", sn_scene_was_factorized);
     return 1;
 }
 

@@ -164,7 +164,7 @@ static void fat_needs_its_own_field_only(void **state)
     sn_scene_destroy(s);
 }
 
-static void a_moved_point_needs_a_new_factor(void **state)
+static void a_moved_point_needs_no_new_factor(void **state)
 {
     (void)state;
     sn_scene *s = limb();
@@ -181,7 +181,8 @@ static void a_moved_point_needs_a_new_factor(void **state)
         assert_null(sn_scene_fields(s));
         sn_solve_report r = solve(s);
         assert_false(r.was_meshed);
-        assert_true(r.was_factorized);
+        assert_int_equal(r.was_factorized, what == 3);
+        assert_int_equal(r.tissue.n_changed_rows > 0, what < 3);
         assert_int_equal(r.tissue.n_solved, 4);
         assert_ptr_equal(sn_scene_body(s), body);
         assert_true(largest_difference(s, before) > 1e-4);
@@ -242,8 +243,8 @@ static void removing_a_muscle_renumbers(void **state)
     assert_int_equal(i, 1);
     assert_ptr_equal(sn_scene_muscle(s, 1), kept);
     sn_solve_report r = solve(s);
-    assert_false(r.was_meshed);
-    assert_true(r.was_factorized);
+    assert_false(r.was_meshed || r.was_factorized);
+    assert_true(r.tissue.n_changed_rows > 0);
     assert_int_equal(r.tissue.n_solved, 3);
     sn_extraction x;
     sn_extraction_init(&x);
@@ -854,7 +855,7 @@ int main(void)
         cmocka_unit_test(nothing_new_is_not_solved_again),
         cmocka_unit_test(a_tissue_value_needs_its_own_field_only),
         cmocka_unit_test(fat_needs_its_own_field_only),
-        cmocka_unit_test(a_moved_point_needs_a_new_factor),
+        cmocka_unit_test(a_moved_point_needs_no_new_factor),
         cmocka_unit_test(a_bone_needs_a_new_body),
         cmocka_unit_test(removing_a_muscle_renumbers),
         cmocka_unit_test(names_are_checked),

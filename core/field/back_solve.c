@@ -1,0 +1,127 @@
+/* BLAS packs the factor anew for each call, which costs more than the product when the right-hand sides are
+ * few. Here a column of the factor is read once, as it lies, and its products with all right-hand sides stay
+ * in registers. */
+#include "field/back_solve.h"
+
+#include "base/alloc.h"
+
+#include <string.h>
+
+enum { lane = 4, n_together = 4 }; /* right-hand sides in a vector, columns of L at a time */
+typedef double vec __attribute__((vector_size(lane * sizeof(double)), aligned(sizeof(double))));
+
+/* The processor's widest vectors are used where the compiler can choose them at run time. Lanes are
+ * right-hand sides, so the sums are the same with any. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define WIDEST __attribute__((target_clones("avx2", "default")))
+#else
+#define WIDEST
+#endif
+
+typedef struct block { /* one supernode */
+    const double *l;   /* all x own, column-major */
+    int own, all;
+    double *x;           /* its own rows            */
+    const double *below; /* the rows below, gathered */
+} block;
+
+/* sum[i] += L(rows, column + i)' z for n columns; z: n_row x w vectors. */
+static inline __attribute__((always_inline)) void add_products(const double *l, int stride, int n_row,
+                                                               const double *z, int n, int w,
+                                                               vec sum[n_together][SN_STRIP_MAX / lane])
+{
+    for (int r = 0; r < n_row; r++) {
+        const vec *row = (const vec *)(z + (size_t)r * (size_t)(w * lane));
+#pragma GCC unroll 4
+        for (int i = 0; i < n; i++) {
+            double entry = l[(size_t)i * (size_t)stride + (size_t)r];
+#pragma GCC unroll 4
+            for (int k = 0; k < w; k++) sum[i][k] += entry * row[k];
+        }
+    }
+}
+
+/* The columns column .. column + n - 1 of a supernode; those after them are done. */
+static inline __attribute__((always_inline)) void solve_columns(const block *b, int column, int n, int w)
+{
+    vec sum[n_together][SN_STRIP_MAX / lane] = {0};
+    size_t stride = (size_t)b->all, row_size = (size_t)(w * lane);
+    const double *l = b->l + (size_t)column * stride;
+    int next = column + n;
+    add_products(l + next, b->all, b->own - next, b->x + (size_t)next * row_size, n, w, sum);
+    add_products(l + b->own, b->all, b->all - b->own, b->below, n, w, sum);
+#pragma GCC unroll 4
+    for (int i = n - 1; i >= 0; i--) {
+        vec *x = (vec *)(b->x + (size_t)(column + i) * row_size);
+#pragma GCC unroll 4
+        for (int j = i + 1; j < n; j++) {
+            const vec *done = (const vec *)(b->x + (size_t)(column + j) * row_size);
+#pragma GCC unroll 4
+            for (int k = 0; k < w; k++) sum[i][k] += l[(size_t)i * stride + (size_t)(column + j)] * done[k];
+        }
+#pragma GCC unroll 4
+        for (int k = 0; k < w; k++) x[k] = (x[k] - sum[i][k]) / l[(size_t)i * stride + (size_t)(column + i)];
+    }
+}
+
+static inline __attribute__((always_inline)) void solve_block(const block *b, int w)
+{
+    int column = b->own;
+    for (; column >= n_together; column -= n_together) solve_columns(b, column - n_together, n_together, w);
+    for (; column > 0; column--) solve_columns(b, column - 1, 1, w);
+}
+
+WIDEST static void solve_block_4(const block *b)
+{
+    solve_block(b, 1);
+}
+
+WIDEST static void solve_block_8(const block *b)
+{
+    solve_block(b, 2);
+}
+
+WIDEST static void solve_block_12(const block *b)
+{
+    solve_block(b, 3);
+}
+
+WIDEST static void solve_block_16(const block *b)
+{
+    solve_block(b, 4);
+}
+
+/* One right-hand side: BLAS reads the factor as it lies, too. */
+static void solve_block_1(const block *b)
+{
+    int under = b->all - b->own;
+    if (under > 0)
+        cblas_dgemv(CblasColMajor, CblasTrans, under, b->own, -1.0, b->l + b->own, b->all, b->below, 1, 1.0,
+                    b->x, 1);
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, b->own, b->l, b->all, b->x, 1);
+}
+
+int32_t sn_strip_width(int32_t n_rhs)
+{
+    return n_rhs == 1 ? 1 : (n_rhs + lane - 1) / lane * lane;
+}
+
+sn_status sn_back_solve(const cholmod_factor *f, double *x, int32_t width, const sn_run *run, sn_error *err)
+{
+    static void (*const solve[])(const block *) = {solve_block_1, solve_block_4, solve_block_8,
+                                                   solve_block_12, solve_block_16};
+    size_t w = (size_t)width;
+    double *below = SN_NEW(double, f->maxesize *w);
+    sn_status st = below ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu rows", f->maxesize);
+    for (size_t k = f->nsuper; !st && k-- > 0;) {
+        block b = {sn_super_block(f, k), sn_super_own(f, k), sn_super_all(f, k),
+                   x + (size_t)sn_supers(f)[k] * w, below};
+        const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
+        for (int i = 0; i < b.all - b.own; i++)
+            memcpy(below + (size_t)i * w, x + (size_t)row[i] * w, w * sizeof *below);
+        solve[width / lane](&b);
+        if (k % 1024 == 0) st = sn_run_step(run, "solving", -1.0, err);
+    }
+    sn_release(below);
+    return st;
+}

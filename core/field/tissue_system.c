@@ -1,0 +1,203 @@
+#include "field/tissue_system.h"
+
+#include "base/alloc.h"
+
+#include <string.h>
+
+/* Rows that a factor may be off by. A row costs about one right-hand side, forward only. */
+#define MOST_CHANGES 400
+/* Rows of before at which fields are looked at; when more are gone, all fields are solved for. */
+#define MOST_PROBES 200
+
+void sn_tissue_system_free(sn_tissue_system *s)
+{
+    sn_cholesky_destroy(s->cholesky);
+    sn_low_rank_destroy(s->change);
+    sn_row_set_free(&s->base);
+    for (int32_t i = 0; i < s->n_state; i++) sn_row_set_free(&s->state[i].set);
+    sn_release(s->state);
+    *s = (sn_tissue_system){0};
+}
+
+void sn_tissue_system_forget(sn_tissue_system *s)
+{
+    s->alpha = 0.0;
+    s->followed = 0;
+    s->can_see = false;
+}
+
+/* ---- a new factor ---- */
+
+/* matrix += alpha B'B; a row of B touches the four corners of one tet, so it stays in the pattern. */
+static void add_rows(sn_csr *matrix, const sn_tissue_rows *rows)
+{
+    for (int32_t r = 0; r < rows->set->n; r++) {
+        const sn_row *row = &rows->set->row[r];
+        const int32_t *v = rows->tet + 4 * (size_t)row->tet;
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < 4; b++)
+                matrix->val[sn_csr_find(matrix, v[a], v[b])] += rows->alpha * row->bary[a] * row->bary[b];
+    }
+}
+
+static sn_status factorize(sn_tissue_system *s, const sn_tissue_rows *rows, sn_csr *matrix, sn_fill_fn fill,
+                           const void *user, const sn_run *run, sn_error *err)
+{
+    sn_low_rank_destroy(s->change);
+    s->change = NULL;
+    sn_tissue_system_forget(s);
+    sn_status st = sn_run_step(run, "assembling", -1.0, err);
+    if (!st) fill(user, matrix);
+    if (!st) add_rows(matrix, rows);
+    if (!st) st = sn_cholesky_factorize(s->cholesky, matrix, run, err);
+    if (!st) st = sn_row_set_copy(&s->base, rows->set, err);
+    if (!st) s->alpha = rows->alpha;
+    return st;
+}
+
+/* ---- what changed ---- */
+
+typedef struct terms {
+    sn_row *row; /* gained ones first, then lost ones, then probes */
+    int32_t n, n_term, n_gained;
+    int32_t *ptr, *index;
+    double *value, *weight;
+} terms;
+
+static void terms_free(terms *t)
+{
+    sn_release(t->row);
+    sn_release(t->ptr);
+    sn_release(t->index);
+    sn_release(t->value);
+    sn_release(t->weight);
+}
+
+static sn_status find_terms(terms *t, const sn_row_set *base, const sn_row_set *now, const sn_row_set *past,
+                            sn_error *err)
+{
+    size_t most = (size_t)now->n + (size_t)base->n + (size_t)past->n;
+    sn_row *gone = SN_NEW(sn_row, past->n);
+    t->row = SN_NEW(sn_row, most);
+    if (!t->row || !gone) {
+        sn_release(gone);
+        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %zu rows", most);
+    }
+    t->n_gained = sn_row_set_less(now, base, t->row);
+    t->n_term = t->n_gained + sn_row_set_less(base, now, t->row + t->n_gained);
+    const sn_row_set without = {gone, sn_row_set_less(past, now, gone)};
+    t->n = t->n_term + sn_row_set_less(&without, base, t->row + t->n_term);
+    sn_release(gone);
+    return SN_OK;
+}
+
+static sn_status fill_terms(terms *t, const sn_tissue_rows *rows, sn_error *err)
+{
+    t->ptr = SN_NEW_ZERO(int32_t, (size_t)t->n + 1);
+    t->index = SN_NEW(int32_t, 4 * (size_t)t->n);
+    t->value = SN_NEW(double, 4 * (size_t)t->n);
+    t->weight = SN_NEW(double, t->n);
+    if (!t->ptr || !t->index || !t->value || !t->weight)
+        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", t->n);
+    for (int32_t j = 0; j < t->n; j++) {
+        int32_t n = t->ptr[j];
+        for (int k = 0; k < 4; k++) {
+            int32_t u = rows->number[rows->tet[4 * (size_t)t->row[j].tet + (size_t)k]];
+            if (u < 0) continue;
+            t->index[n] = u;
+            t->value[n++] = t->row[j].bary[k];
+        }
+        t->ptr[j + 1] = n;
+        t->weight[j] = j < t->n_gained ? rows->alpha : j < t->n_term ? -rows->alpha : 0.0;
+    }
+    return SN_OK;
+}
+
+static sn_status join_states(const sn_tissue_system *s, sn_row_set *past, sn_error *err)
+{
+    sn_status st = SN_OK;
+    for (int32_t i = 0; !st && i < s->n_state; i++) st = sn_row_set_join(past, &s->state[i].set, past, err);
+    return st;
+}
+
+/* *is_near: whether the factor is still near enough. */
+static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool with_probes, const sn_run *run,
+                        bool *is_near, sn_error *err)
+{
+    terms t = {0};
+    sn_row_set past = {0};
+    sn_low_rank *change = NULL;
+    sn_status st = with_probes ? join_states(s, &past, err) : SN_OK;
+    if (!st) st = find_terms(&t, &s->base, rows->set, &past, err);
+    sn_row_set_free(&past);
+    *is_near = !st && t.n_term <= MOST_CHANGES;
+    s->can_see = with_probes && t.n - t.n_term <= MOST_PROBES;
+    if (!s->can_see) t.n = t.n_term;
+    if (!st && *is_near) st = fill_terms(&t, rows, err);
+    if (!st && *is_near)
+        st = sn_low_rank_create(&change, s->cholesky, &(sn_sparse_vectors){t.n, t.ptr, t.index, t.value},
+                                t.weight, t.n_term, run, err);
+    if (!st && *is_near) {
+        sn_low_rank_destroy(s->change);
+        s->change = change;
+    }
+    terms_free(&t);
+    return st;
+}
+
+sn_status sn_tissue_system_follow(sn_tissue_system *s, const sn_tissue_rows *rows, bool with_probes,
+                                  sn_csr *matrix, sn_fill_fn fill, const void *user, const sn_run *run,
+                                  bool *was_factorized, sn_error *err)
+{
+    bool is_near = false;
+    sn_status st = SN_OK;
+    *was_factorized = false;
+    if (s->followed == rows->revision) return SN_OK;
+    if (sn_cholesky_is_factorized(s->cholesky) && s->alpha == rows->alpha) {
+        st = change(s, rows, with_probes, run, &is_near, err);
+        if (st == SN_ESOLVE) { /* lost in the difference: as if it were far */
+            is_near = false;
+            st = SN_OK;
+        }
+    }
+    if (!st && !is_near) {
+        *was_factorized = true;
+        st = factorize(s, rows, matrix, fill, user, run, err);
+        if (!st) st = change(s, rows, false, run, &is_near, err);
+    }
+    if (!st) s->followed = rows->revision;
+    return st;
+}
+
+/* ---- the matrices that fields are of ---- */
+
+static bool is_in(uint64_t revision, const uint64_t *solved_at, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        if (solved_at[i] == revision) return true;
+    return false;
+}
+
+sn_status sn_tissue_system_settle(sn_tissue_system *s, const sn_tissue_rows *rows, const uint64_t *solved_at,
+                                  int32_t n, sn_error *err)
+{
+    int32_t kept = 0;
+    bool has_now = false;
+    for (int32_t i = 0; i < s->n_state; i++) {
+        if (is_in(s->state[i].revision, solved_at, n)) {
+            has_now = has_now || s->state[i].revision == rows->revision;
+            s->state[kept++] = s->state[i];
+        } else {
+            sn_row_set_free(&s->state[i].set);
+        }
+    }
+    s->n_state = kept;
+    if (has_now || !is_in(rows->revision, solved_at, n)) return SN_OK;
+    sn_tissue_state *state = sn_realloc(s->state, (size_t)kept + 1, sizeof *state);
+    if (!state) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", rows->set->n);
+    s->state = state;
+    s->state[kept] = (sn_tissue_state){.revision = rows->revision};
+    sn_status st = sn_row_set_copy(&s->state[kept].set, rows->set, err);
+    if (!st) s->n_state++;
+    return st;
+}
