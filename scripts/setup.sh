@@ -4,8 +4,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 
-packages="gcc g++ make cmake pkg-config liblua5.4-dev libtet1.5-dev libsuitesparse-dev libopenblas-dev libosmesa6-dev
-libpng-dev libcairo2-dev fonts-dejavu-core libreadline-dev libcgal-dev libgmp-dev libmpfr-dev"
+packages="gcc g++ make cmake pkg-config liblua5.4-dev libtet1.5-dev libsuitesparse-dev libopenblas-dev libosmesa6-dev libegl-dev
+libpng-dev libcairo2-dev fonts-dejavu-core libreadline-dev libcgal-dev libgmp-dev libmpfr-dev libdune-istl-dev"
 testing=OFF
 if [ "${1:-}" = tests ]; then
     packages="$packages libcmocka-dev python3"

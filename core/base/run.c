@@ -118,3 +118,101 @@ sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, s
     sn_release(helper);
     return st;
 }
+
+/* ---- what cannot be stopped ---- */
+
+#define LOOK_EVERY 50e6 /* nanoseconds */
+
+static atomic_int n_left_behind; /* of the process, as the threads are */
+
+typedef struct apart {
+    pthread_mutex_t lock;
+    pthread_cond_t done;
+    bool is_done, is_left;
+    void (*fn)(void *job), (*leave)(void *job);
+    void *job;
+} apart;
+
+static void apart_free(apart *a)
+{
+    (void)pthread_mutex_destroy(&a->lock);
+    (void)pthread_cond_destroy(&a->done);
+    sn_release(a);
+}
+
+static void *work_apart(void *arg)
+{
+    apart *a = arg;
+    a->fn(a->job);
+    (void)pthread_mutex_lock(&a->lock);
+    a->is_done = true;
+    bool is_left = a->is_left;
+    (void)pthread_cond_signal(&a->done);
+    (void)pthread_mutex_unlock(&a->lock);
+    if (!is_left) return NULL;
+    a->leave(a->job);
+    apart_free(a);
+    (void)atomic_fetch_sub(&n_left_behind, 1);
+    return NULL;
+}
+
+static bool start_apart(apart *a, pthread_t *thread)
+{
+    sigset_t all, before;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    bool ok = pthread_create(thread, NULL, work_apart, a) == 0;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return ok;
+}
+
+/* Holds the lock, but for the wait. */
+static sn_status wait_for(apart *a, const sn_run *run, const char *step, sn_error *err)
+{
+    sn_status st = SN_OK;
+    while (!a->is_done && !st) {
+        struct timespec until;
+        (void)clock_gettime(CLOCK_REALTIME, &until);
+        double ns = (double)until.tv_nsec + LOOK_EVERY;
+        until.tv_sec += ns >= 1e9;
+        until.tv_nsec = (long)(ns >= 1e9 ? ns - 1e9 : ns);
+        (void)pthread_cond_timedwait(&a->done, &a->lock, &until);
+        if (!a->is_done) st = sn_run_step(run, step, -1.0, err);
+    }
+    return a->is_done ? SN_OK : st;
+}
+
+sn_status sn_run_apart(const sn_run *run, const char *step, void (*fn)(void *job), void (*leave)(void *job),
+                       void *job, sn_error *err)
+{
+    pthread_t thread;
+    bool is_free = !run || (!run->progress && !run->cancel && !(run->deadline > 0.0));
+    apart *a = is_free ? NULL : SN_NEW_ZERO(apart, 1);
+    if (a) {
+        *a = (apart){.fn = fn, .leave = leave, .job = job};
+        (void)pthread_mutex_init(&a->lock, NULL);
+        (void)pthread_cond_init(&a->done, NULL);
+    }
+    if (!a || !start_apart(a, &thread)) { /* no thread to be had: it is done all the same */
+        if (a) apart_free(a);
+        fn(job);
+        return SN_OK;
+    }
+    (void)pthread_mutex_lock(&a->lock);
+    sn_status st = wait_for(a, run, step, err);
+    a->is_left = st != SN_OK;
+    if (st) (void)atomic_fetch_add(&n_left_behind, 1);
+    (void)pthread_mutex_unlock(&a->lock);
+    if (st) {
+        (void)pthread_detach(thread);
+        return st;
+    }
+    (void)pthread_join(thread, NULL);
+    apart_free(a);
+    return SN_OK;
+}
+
+int sn_run_left_behind(void)
+{
+    return atomic_load(&n_left_behind);
+}

@@ -28,10 +28,21 @@ bool sn_run_stopped(const sn_run *run); /* cheap; from any thread */
  * step. */
 SN_MUST_USE sn_status sn_run_step(const sn_run *run, const char *step, double fraction, sn_error *err);
 
-/* Calls fn for i = 0 .. n - 1, many at a time: as many as the run has threads, or up to half as many more where
- * that evens the load and the run has the whole machine anyway (three on two cores). Each call gets a run that reports no progress and has its
- * share of the threads; an item must not depend on another. All are called even when one fails; the error is
- * that of the lowest index. Errors: those of fn, SN_ENOMEM. */
+/* A call into a library that cannot be stopped, on a thread of its own. Reports progress and returns as soon
+ * as the run is stopped; job then belongs to that thread, which ends in its time and calls leave(job). So fn
+ * may touch nothing that is not the job's. Otherwise leave is not called and the job is the caller's as
+ * before. Without anything to report or to stop for, fn is called as it is. Errors: SN_ECANCEL, SN_ELIMIT
+ * (job is gone). */
+SN_MUST_USE sn_status sn_run_apart(const sn_run *run, const char *step, void (*fn)(void *job),
+                                   void (*leave)(void *job), void *job, sn_error *err);
+/* Threads left behind by the above that have not ended: while there are any, the process is better ended by
+ * _exit, which does not take the libraries away from under them. */
+int sn_run_left_behind(void);
+
+/* Calls fn for i = 0 .. n - 1, many at a time: as many as the run has threads, or up to half as many more
+ * where that evens the load and the run has the whole machine anyway (three on two cores). Each call gets a
+ * run that reports no progress and has its share of the threads; an item must not depend on another. All are
+ * called even when one fails; the error is that of the lowest index. Errors: those of fn, SN_ENOMEM. */
 typedef sn_status (*sn_each_fn)(void *user, int32_t i, const sn_run *run, sn_error *err);
 SN_MUST_USE sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err);
 

@@ -77,19 +77,61 @@ static cholmod_sparse lower_triangle(const sn_cholesky *c)
                             .packed = 1};
 }
 
+static void factorize(void *job)
+{
+    sn_cholesky *c = job;
+    double none[2] = {0.0, 0.0};
+    cholmod_sparse lower = lower_triangle(c);
+    int levels = sn_cholmod_one_thread();
+    if (!cholmod_l_super_numeric(&lower, NULL, none, c->factor, &c->common) && c->common.status >= 0)
+        c->common.status = CHOLMOD_INVALID;
+    sn_cholmod_threads_again(levels);
+}
+
+static void leave_factor(void *job)
+{
+    sn_cholesky_destroy(job);
+}
+
+/* What the factor is made in, when there is none. */
+static sn_status need_room(sn_cholesky *c, sn_error *err)
+{
+    if (!c->val) c->val = SN_NEW(double, (size_t)c->order->ptr[c->order->n]);
+    if (!c->factor) c->factor = cholmod_l_copy_factor(c->order->symbolic, &c->common);
+    if (c->val && c->factor) return SN_OK;
+    return sn_fail(err, SN_ENOMEM, "factorization: no memory for %d rows", c->order->n);
+}
+
+/* By a twin that has all that c has, and keeps it when it is left behind. */
+static sn_status factorize_apart(sn_cholesky *c, const sn_run *run, sn_error *err)
+{
+    sn_cholesky *twin = SN_NEW(sn_cholesky, 1);
+    if (!twin) return sn_fail(err, SN_ENOMEM, "factorization: no memory");
+    *twin = *c;
+    sn_order_use(c->order);
+    sn_status st = sn_run_apart(run, "factorizing", factorize, leave_factor, twin, err);
+    if (st) {
+        c->factor = NULL;
+        c->val = NULL;
+        sn_cholmod_start(&c->common);
+        return st;
+    }
+    *c = *twin;
+    sn_order_leave(c->order);
+    sn_release(twin);
+    return SN_OK;
+}
+
 sn_status sn_cholesky_factorize(sn_cholesky *c, const sn_csr *a, const sn_run *run, sn_error *err)
 {
     const sn_order *o = c->order;
-    double none[2] = {0.0, 0.0};
-    sn_status st = sn_run_step(run, "factorizing", 0.0, err);
-    if (st) return st;
     c->is_factorized = false;
-    for (SuiteSparse_long k = 0; k < o->ptr[o->n]; k++) c->val[k] = a->val[o->from[k]];
-    cholmod_sparse lower = lower_triangle(c);
-    int levels = sn_cholmod_one_thread();
-    int ok = cholmod_l_super_numeric(&lower, NULL, none, c->factor, &c->common);
-    sn_cholmod_threads_again(levels);
-    if (!ok || c->common.status < 0) return sn_cholmod_fail(&c->common, "factorization", err);
+    sn_status st = sn_run_step(run, "factorizing", 0.0, err);
+    if (!st) st = need_room(c, err);
+    for (SuiteSparse_long k = 0; !st && k < o->ptr[o->n]; k++) c->val[k] = a->val[o->from[k]];
+    if (!st) st = factorize_apart(c, run, err);
+    if (st) return st;
+    if (c->common.status < 0) return sn_cholmod_fail(&c->common, "factorization", err);
     if (c->common.status == CHOLMOD_NOT_POSDEF || c->factor->minor < c->factor->n)
         return sn_fail(err, SN_ESOLVE, "the matrix is not positive definite (column %zu of %d)",
                        c->factor->minor, o->n);

@@ -3,6 +3,7 @@
 #include "base/alloc.h"
 
 #include <omp.h>
+#include <pthread.h>
 
 sn_status sn_cholmod_fail(const cholmod_common *c, const char *what, sn_error *err)
 {
@@ -64,14 +65,54 @@ static cholmod_sparse *numbered_part(sn_order *o, const sn_csr *a, const int32_t
     return s;
 }
 
-static sn_status analyse(sn_order *o, const sn_csr *a, const int32_t *number, sn_error *err)
+typedef struct analysis {
+    sn_order *order;
+    cholmod_sparse *pattern;
+} analysis;
+
+/* METIS draws from the one random stream of the process: one at a time, or the order would not be the same
+ * each time. One that was left behind is waited for. */
+static pthread_mutex_t ordering = PTHREAD_MUTEX_INITIALIZER;
+
+static void analyse(void *job)
 {
-    cholmod_sparse *s = numbered_part(o, a, number);
-    if (!s) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", o->n);
+    analysis *a = job;
+    (void)pthread_mutex_lock(&ordering);
     int levels = sn_cholmod_one_thread();
-    o->symbolic = cholmod_l_analyze(s, &o->common);
+    a->order->symbolic = cholmod_l_analyze(a->pattern, &a->order->common);
     sn_cholmod_threads_again(levels);
-    cholmod_l_free_sparse(&s, &o->common);
+    (void)pthread_mutex_unlock(&ordering);
+}
+
+static void analysis_free(void *job)
+{
+    analysis *a = job;
+    cholmod_l_free_sparse(&a->pattern, &a->order->common);
+    sn_order_leave(a->order);
+    sn_release(a);
+}
+
+/* Small systems are done in a moment, many at a time. */
+static sn_status find_order(sn_order *o, const sn_csr *a, const int32_t *number, bool is_small,
+                            const sn_run *run, sn_error *err)
+{
+    analysis *job = SN_NEW_ZERO(analysis, 1);
+    if (!job) return sn_fail(err, SN_ENOMEM, "cholesky: no memory");
+    *job = (analysis){o, numbered_part(o, a, number)};
+    sn_order_use(o); /* by the job */
+    sn_status st = SN_OK;
+    if (!job->pattern) {
+        st = sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", o->n);
+    } else if (is_small) {
+        int levels = sn_cholmod_one_thread();
+        o->symbolic = cholmod_l_analyze(job->pattern, &o->common);
+        sn_cholmod_threads_again(levels);
+    } else {
+        st = sn_run_apart(run, "ordering the matrix", analyse, analysis_free, job, err);
+        if (st) return st;
+    }
+    analysis_free(job);
+    if (st) return st;
     return o->symbolic && o->common.status >= 0 ? SN_OK : sn_cholmod_fail(&o->common, "analysis", err);
 }
 
@@ -151,8 +192,8 @@ static void destroy(sn_order *o)
     sn_release(o);
 }
 
-sn_status sn_order_create(sn_order **out, const sn_csr *a, const int32_t *number, int32_t n, int ordering,
-                          const sn_run *run, sn_error *err)
+sn_status sn_order_create(sn_order **out, const sn_csr *a, const int32_t *number, int32_t n,
+                          int ordering_method, const sn_run *run, sn_error *err)
 {
     *out = NULL;
     if (n < 1) return sn_fail(err, SN_EINVAL, "cholesky: the matrix has no rows");
@@ -161,16 +202,16 @@ sn_status sn_order_create(sn_order **out, const sn_csr *a, const int32_t *number
     sn_order *o = SN_NEW_ZERO(sn_order, 1);
     if (!o) return sn_fail(err, SN_ENOMEM, "cholesky: no memory");
     sn_cholmod_start(&o->common);
-    o->common.method[0].ordering = ordering;
+    o->common.method[0].ordering = ordering_method;
     atomic_init(&o->users, 1);
     o->n = n;
     o->n_row = a->n;
-    st = analyse(o, a, number, err);
+    st = find_order(o, a, number, ordering_method == CHOLMOD_AMD, run, err);
     if (!st) st = find_places(o, number, err);
     if (!st) st = find_lower(o, a, err);
     if (!st) st = sn_run_step(run, "ordering the matrix", 1.0, err);
     if (st)
-        destroy(o);
+        sn_order_leave(o);
     else
         *out = o;
     return st;

@@ -5,9 +5,10 @@
 
 #include "field/cholesky_private.h"
 
-/* ordering: CHOLMOD_METIS or CHOLMOD_AMD. One user: the caller. Errors: SN_ENOMEM, SN_ESOLVE, SN_ECANCEL. */
+/* ordering_method: CHOLMOD_METIS or CHOLMOD_AMD. One user: the caller. Errors: SN_ENOMEM, SN_ESOLVE,
+ * SN_ECANCEL. */
 SN_MUST_USE sn_status sn_order_create(sn_order **out, const sn_csr *a, const int32_t *number, int32_t n,
-                                      int ordering, const sn_run *run, sn_error *err);
+                                      int ordering_method, const sn_run *run, sn_error *err);
 void sn_order_use(sn_order *o);   /* one user more */
 void sn_order_leave(sn_order *o); /* one less; the last one frees it; NULL is fine */
 

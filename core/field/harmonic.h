@@ -17,6 +17,10 @@ typedef struct sn_harmonic sn_harmonic; /* opaque; const = may be used by many t
 SN_MUST_USE sn_status sn_harmonic_create(sn_harmonic **out, const sn_csr *laplacian, const int32_t *number,
                                          int32_t n, const sn_cholesky *analysis, const sn_run *run,
                                          sn_error *err);
+/* For meshes that are too large for a factor: each solve by conjugate gradients, nothing made before.
+ * laplacian: borrowed for as long as the object is used. */
+SN_MUST_USE sn_status sn_harmonic_create_iterative(sn_harmonic **out, const sn_csr *laplacian,
+                                                   const int32_t *number, int32_t n, sn_error *err);
 void sn_harmonic_destroy(sn_harmonic *h);                 /* NULL is fine */
 const int32_t *sn_harmonic_numbers(const sn_harmonic *h); /* those given; the object's */
 

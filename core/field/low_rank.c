@@ -82,7 +82,7 @@ sn_status sn_low_rank_create(sn_low_rank **out, const sn_cholesky *c, const sn_s
 
 int32_t sn_low_rank_count(const sn_low_rank *r)
 {
-    return r->n;
+    return r ? r->n : 0;
 }
 
 const sn_half_solve *sn_low_rank_half(const sn_low_rank *r)

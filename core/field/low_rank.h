@@ -17,7 +17,7 @@ SN_MUST_USE sn_status sn_low_rank_create(sn_low_rank **out, const sn_cholesky *c
                                          const double *weight, int32_t n_term, const sn_run *run,
                                          sn_error *err);
 void sn_low_rank_destroy(sn_low_rank *r);        /* NULL is fine */
-int32_t sn_low_rank_count(const sn_low_rank *r); /* terms */
+int32_t sn_low_rank_count(const sn_low_rank *r); /* terms; 0 of NULL */
 int32_t sn_low_rank_width(const sn_low_rank *r); /* terms and probes */
 
 /* What finishes a half solve z of n_rhs columns (width x n_rhs, column-major). factor: -S^-1 Y'Z, 0 for

@@ -5,6 +5,8 @@
 
 #include <string.h>
 
+/* A factor of more would not fit into the memory of many machines: some 4 GB. */
+#define MOST_UNKNOWNS_DIRECT 1500000
 #define BLOCK 64 /* right-hand sides solved together: bounds the memory, wide enough for BLAS */
 
 /* ---- the mesh ---- */
@@ -40,8 +42,8 @@ static sn_status assemble(sn_tissue_solver *s, const sn_run *run, sn_error *err)
     return s->matrix && s->cover ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory");
 }
 
-sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, const sn_run *run,
-                                  sn_error *err)
+sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, sn_solver_kind kind,
+                                  const sn_run *run, sn_error *err)
 {
     *out = NULL;
     sn_tissue_solver *s = SN_NEW_ZERO(sn_tissue_solver, 1);
@@ -52,7 +54,10 @@ sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, c
     s->report.seconds_assembly = sn_clock() - start;
     s->report.unknowns = s->n_free;
     start = sn_clock();
-    if (!st) st = sn_cholesky_create(&s->system.cholesky, &s->laplacian, s->number, s->n_free, run, err);
+    s->report.is_iterative =
+        kind == SN_SOLVER_ITERATIVE || (kind == SN_SOLVER_AUTO && s->n_free > MOST_UNKNOWNS_DIRECT);
+    if (!st && !s->report.is_iterative)
+        st = sn_cholesky_create(&s->system.cholesky, &s->laplacian, s->number, s->n_free, run, err);
     s->report.seconds_analysis = sn_clock() - start;
     if (st)
         sn_tissue_solver_destroy(s);
@@ -116,7 +121,7 @@ sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_tissue_muscl
 
 sn_tissue_rows sn_tissue_rows_of(const sn_tissue_solver *s)
 {
-    return (sn_tissue_rows){&s->set, s->revision, s->body->mesh.tet, s->number, s->alpha};
+    return (sn_tissue_rows){&s->set, s->revision, s->body->mesh.tet, s->number, s->n_free, s->alpha};
 }
 
 /* ---- solving ---- */
@@ -138,7 +143,7 @@ static sn_status need_system(sn_tissue_solver *s, bool with_probes, const sn_run
                                            &was_factorized, err);
     s->report.seconds_factor += sn_clock() - start;
     s->report.was_factorized = s->report.was_factorized || was_factorized;
-    s->report.factor_entries = sn_cholesky_factor_entries(s->system.cholesky);
+    if (s->system.cholesky) s->report.factor_entries = sn_cholesky_factor_entries(s->system.cholesky);
     if (!st) s->report.n_changed_rows = sn_low_rank_count(s->system.change);
     return st;
 }
@@ -149,14 +154,19 @@ static sn_status solve_all(sn_tissue_solver *s, tissue_block b, const sn_run *ru
     const int32_t *tissue = b.tissue;
     int32_t n = b.n;
     s->report.residual = 0.0;
-    s->report.n_solved = 0;
+    s->report.n_solved = s->report.iterations = 0;
     for (int32_t first = 0; !st && first < n; first += BLOCK) {
         double residual = 0.0;
-        int32_t n_solved = 0;
+        int32_t n_solved = 0, iterations = 0;
         b.tissue = tissue + first;
         b.n = n - first < BLOCK ? n - first : BLOCK;
         st = sn_run_step(run, "solving", (double)first / n, err);
-        if (!st) st = sn_tissue_solve_block(s, &s->system, &b, s->cover, run, &residual, &n_solved, err);
+        if (!st && s->report.is_iterative)
+            st = sn_tissue_iterate_block(s, &s->system, &b, s->cover, run, &residual, &iterations, &n_solved,
+                                         err);
+        else if (!st)
+            st = sn_tissue_solve_block(s, &s->system, &b, s->cover, run, &residual, &n_solved, err);
+        if (iterations > s->report.iterations) s->report.iterations = iterations;
         s->report.residual = fmax(s->report.residual, residual);
         s->report.n_solved += n_solved;
     }
@@ -202,7 +212,8 @@ sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wa
     if (!st && has_fat) s->has_cover = !quick || !quick->was_kept[0];
     s->report.n_kept = n - s->report.n_solved;
     sn_tissue_rows rows = sn_tissue_rows_of(s);
-    if (!st && stamp) st = sn_tissue_system_settle(&s->system, &rows, stamp, n_tissue, err);
+    if (!st && stamp && !s->report.is_iterative)
+        st = sn_tissue_system_settle(&s->system, &rows, stamp, n_tissue, err);
     sn_release(tissue);
     return st;
 }
@@ -225,12 +236,14 @@ bool sn_tissue_solver_set_fat(const sn_tissue_solver *s, double fat, double *fie
 
 bool sn_tissue_solver_has_factor(const sn_tissue_solver *s)
 {
-    return sn_cholesky_is_factorized(s->system.cholesky);
+    return s->system.cholesky ? sn_cholesky_is_factorized(s->system.cholesky) : s->system.iterative != NULL;
 }
 
 sn_status sn_tissue_solver_harmonic(const sn_tissue_solver *s, sn_harmonic **out, const sn_run *run,
                                     sn_error *err)
 {
+    if (s->report.is_iterative)
+        return sn_harmonic_create_iterative(out, &s->laplacian, s->number, s->n_free, err);
     return sn_harmonic_create(out, &s->laplacian, s->number, s->n_free, s->system.cholesky, run, err);
 }
 

@@ -19,6 +19,10 @@
 
 typedef struct sn_tissue_solver sn_tissue_solver; /* opaque */
 
+/* How the matrix is solved with: by a factor, or by conjugate gradients once the factor would be too large.
+ */
+typedef enum sn_solver_kind { SN_SOLVER_AUTO, SN_SOLVER_DIRECT, SN_SOLVER_ITERATIVE } sn_solver_kind;
+
 typedef struct sn_tissue_report {
     int32_t unknowns;           /* vertices off the skin                                           */
     int32_t collocation_points; /* rows of B                                                       */
@@ -26,15 +30,18 @@ typedef struct sn_tissue_report {
     int32_t n_kept;             /* of a quick solve: fields left as they were                      */
     int32_t n_changed_rows;     /* of B, since the factor was made                                 */
     bool was_factorized;        /* by the last solve                                               */
+    bool is_iterative;
+    int32_t iterations; /* most of a field; 0 of a direct solver                                   */
     int64_t factor_entries;
     double residual; /* |A x - b| over |b|, in the largest norm, of sums of the fields last solved */
     double seconds_assembly, seconds_analysis, seconds_factor, seconds_solve;
 } sn_tissue_report;
 
-/* Assembles L and analyses the matrix. body: borrowed, must outlive the solver.
- * Errors: SN_ESOLVE (no vertex off the skin), SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
-SN_MUST_USE sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body, const sn_run *run,
-                                              sn_error *err);
+/* Assembles L and analyses the matrix. body: borrowed, must outlive the solver. SN_SOLVER_AUTO: direct up to
+ * one and a half million unknowns, where a factor has some 4 GB. Errors: SN_ESOLVE (no vertex off the skin),
+ * SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
+SN_MUST_USE sn_status sn_tissue_solver_create(sn_tissue_solver **out, const sn_body *body,
+                                              sn_solver_kind kind, const sn_run *run, sn_error *err);
 void sn_tissue_solver_destroy(sn_tissue_solver *s); /* NULL is fine */
 
 typedef struct sn_tissue_muscle { /* borrowed                                                       */
@@ -52,19 +59,21 @@ SN_MUST_USE sn_status sn_tissue_solver_set_curves(sn_tissue_solver *s, const sn_
 typedef struct sn_tissue_quick {
     const bool
         *is_edited;   /* 1 + n_muscle: has no field, or one of other tissue values or curves of its own */
-    double tolerance; /* most that a field which stays may be off at the rows that changed              */
+    double tolerance; /* most that a field which stays may be off at the rows that changed; an iterative
+                         solver keeps none, and solves all to 1e-5 */
     bool *was_kept;   /* 1 + n_muscle: receives whether a wanted field was left as it was               */
 } sn_tissue_quick;
 
-/* Which curves a field is of: to be kept with it, 0 at first. */
+/* Which curves a field is of: to be kept with it, 0 at first and when the row of field may hold anything. */
 typedef uint64_t sn_tissue_stamp;
 
 /* Solves for the isotropic tissues with wanted[i] (NULL: all): 0 is fat, 1 + i muscle i.
  *   fat     d_fat, finite and >= 0
  *   quick   NULL: exactly
- *   stamp   1 + n_muscle, of the rows of field; NULL: there will be no quick solves
- *   field   (1 + n_muscle) x n_vert; rows not wanted are untouched; wanted ones are undefined on error
- * Needs curves set. Errors: SN_EINVAL, SN_ESOLVE, SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
+ *   *   stamp   1 + n_muscle, of the rows of field; NULL: there will be no quick solves, and an iterative
+ * solver begins at 0, not at the field of before field   (1 + n_muscle) x n_vert; rows not wanted are
+ * untouched; wanted ones are undefined on error Needs curves set. Errors: SN_EINVAL, SN_ESOLVE, SN_ENOMEM,
+ * SN_ECANCEL, SN_ELIMIT. */
 SN_MUST_USE sn_status sn_tissue_solver_solve(sn_tissue_solver *s, double fat, const bool *wanted,
                                              const sn_tissue_quick *quick, sn_tissue_stamp *stamp,
                                              const sn_run *run, double *field, sn_error *err);

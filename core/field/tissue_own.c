@@ -19,8 +19,8 @@ static sn_status open_room(const sn_tissue_solver *s, own_room **out, sn_error *
     *out = NULL;
     if (!r) return sn_fail(err, SN_ENOMEM, "tissue: no memory");
     r->val = SN_NEW(double, s->laplacian.ptr[s->laplacian.n]);
-    sn_status st = r->val ? sn_cholesky_clone(&r->system.cholesky, s->system.cholesky, err)
-                          : sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    sn_status st = r->val ? SN_OK : sn_fail(err, SN_ENOMEM, "tissue: no memory");
+    if (!st && s->system.cholesky) st = sn_cholesky_clone(&r->system.cholesky, s->system.cholesky, err);
     if (st)
         sn_tissue_close_room(r);
     else
@@ -92,7 +92,7 @@ static sn_status solve_in(const sn_tissue_solver *s, const sn_tissue_own *own, o
     const tissue_block block = {&tissue, 1, 0.0, quick, stamp, field};
     sn_tissue_rows rows = sn_tissue_rows_of(s);
     sn_csr matrix = s->laplacian; /* its pattern, with values of its own */
-    int32_t n_solved;
+    int32_t n_solved, iterations;
     matrix.val = r->val;
     if (r->id != s->muscle[own->i_muscle].id || r->tensor_id != own->tensor_id)
         sn_tissue_system_forget(&r->system);
@@ -100,6 +100,9 @@ static sn_status solve_in(const sn_tissue_solver *s, const sn_tissue_own *own, o
     r->tensor_id = own->tensor_id;
     sn_status st = sn_tissue_system_follow(&r->system, &rows, quick != NULL, &matrix, fill_anisotropic, &fill,
                                            run, was_factorized, err);
+    if (!st && !r->system.cholesky)
+        return sn_tissue_iterate_block(s, &r->system, &block, NULL, run, residual, &iterations, &n_solved,
+                                       err);
     if (!st) st = sn_tissue_solve_block(s, &r->system, &block, NULL, run, residual, &n_solved, err);
     if (!st && stamp) st = sn_tissue_system_settle(&r->system, &rows, stamp + tissue, 1, err);
     return st;

@@ -57,7 +57,7 @@ SN_MUST_USE sn_status sn_tissue_rhs_init(tissue_rhs *b, const sn_tissue_solver *
                                          int32_t n, sn_error *err);
 void sn_tissue_rhs_free(tissue_rhs *b);
 
-/* ---- solving by a system (tissue_block.c) ---- */
+/* ---- solving by a system (tissue_block.c, tissue_iterate.c) ---- */
 
 typedef struct tissue_block { /* some tissues, together */
     const int32_t *tissue;
@@ -72,5 +72,10 @@ typedef struct tissue_block { /* some tissues, together */
 SN_MUST_USE sn_status sn_tissue_solve_block(const sn_tissue_solver *s, const sn_tissue_system *system,
                                             const tissue_block *b, double *cover, const sn_run *run,
                                             double *residual, int32_t *n_solved, sn_error *err);
+/* The same by an iterative system. *iterations: most of a field. */
+SN_MUST_USE sn_status sn_tissue_iterate_block(const sn_tissue_solver *s, const sn_tissue_system *system,
+                                              const tissue_block *b, double *cover, const sn_run *run,
+                                              double *residual, int32_t *iterations, int32_t *n_solved,
+                                              sn_error *err);
 
 #endif

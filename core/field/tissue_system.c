@@ -12,6 +12,7 @@
 void sn_tissue_system_free(sn_tissue_system *s)
 {
     sn_cholesky_destroy(s->cholesky);
+    sn_iterative_destroy(s->iterative);
     sn_low_rank_destroy(s->change);
     sn_row_set_free(&s->base);
     for (int32_t i = 0; i < s->n_state; i++) sn_row_set_free(&s->state[i].set);
@@ -145,6 +146,28 @@ static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool wi
     return st;
 }
 
+/* Of an iterative system. Another alpha: the preconditioner is made again, too. */
+static sn_status follow_by_values(sn_tissue_system *s, const sn_tissue_rows *rows, sn_csr *matrix,
+                                  sn_fill_fn fill, const void *user, const sn_run *run, bool *was_made,
+                                  sn_error *err)
+{
+    sn_status st = sn_run_step(run, "assembling", -1.0, err);
+    if (st) return st;
+    fill(user, matrix);
+    add_rows(matrix, rows);
+    if (s->iterative && s->alpha == rows->alpha) {
+        sn_iterative_set_values(s->iterative, matrix);
+    } else {
+        *was_made = true;
+        sn_tissue_system_forget(s);
+        sn_iterative_destroy(s->iterative);
+        st = sn_iterative_create(&s->iterative, matrix, rows->number, rows->n_free, run, err);
+        if (!st) s->alpha = rows->alpha;
+    }
+    if (!st) s->followed = rows->revision;
+    return st;
+}
+
 sn_status sn_tissue_system_follow(sn_tissue_system *s, const sn_tissue_rows *rows, bool with_probes,
                                   sn_csr *matrix, sn_fill_fn fill, const void *user, const sn_run *run,
                                   bool *was_factorized, sn_error *err)
@@ -153,6 +176,7 @@ sn_status sn_tissue_system_follow(sn_tissue_system *s, const sn_tissue_rows *row
     sn_status st = SN_OK;
     *was_factorized = false;
     if (s->followed == rows->revision) return SN_OK;
+    if (!s->cholesky) return follow_by_values(s, rows, matrix, fill, user, run, was_factorized, err);
     if (sn_cholesky_is_factorized(s->cholesky) && s->alpha == rows->alpha) {
         st = change(s, rows, with_probes, run, &is_near, err);
         if (st == SN_ESOLVE) { /* lost in the difference: as if it were far */

@@ -2,10 +2,12 @@
  *
  * It is factorized for the rows that B has at some time. When B changes, what it gained and lost is a change
  * of low rank (see low_rank.h): a moved control point changes the rows of one muscle. Only when that grows
- * too large is the matrix factorized anew. */
+ * too large is the matrix factorized anew. A system that is too large for a factor has a preconditioner in
+ * its place, which serves other rows as well. */
 #ifndef SN_FIELD_TISSUE_SYSTEM_H
 #define SN_FIELD_TISSUE_SYSTEM_H
 
+#include "field/iterative.h"
 #include "field/low_rank.h"
 #include "field/tissue_rows.h"
 
@@ -14,8 +16,9 @@ typedef struct sn_tissue_state { /* rows of a time */
     sn_row_set set;
 } sn_tissue_state;
 
-typedef struct sn_tissue_system { /* zero-initialised but for the first; owned                  */
-    sn_cholesky *cholesky;        /* not factorized before the first sn_tissue_system_follow    */
+typedef struct sn_tissue_system { /* zero-initialised but for the factor; owned                 */
+    sn_cholesky *cholesky;        /* not factorized before the first follow; NULL: iterative    */
+    sn_iterative *iterative;      /* NULL before the first follow                               */
     sn_row_set base;              /* the rows in the factor                                     */
     double alpha;                 /* that it was made with; 0: the factor is of no use          */
     sn_low_rank *change;          /* from them to those that are followed                       */
@@ -34,6 +37,7 @@ typedef struct sn_tissue_rows { /* borrowed */
     uint64_t revision;     /* > 0; another one for other rows or another alpha */
     const int32_t *tet;    /* of the mesh: corners                             */
     const int32_t *number; /* unknown of each vertex, -1 for none              */
+    int32_t n_free;        /* unknowns                                         */
     double alpha;
 } sn_tissue_rows;
 

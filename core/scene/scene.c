@@ -35,6 +35,7 @@ sn_status sn_scene_create(sn_scene **out, const char *name, const char *unit, sn
 void sn_scene_destroy(sn_scene *s)
 {
     if (!s) return;
+    sn_scene_free_view(s);
     sn_scene_stale_body(s);
     sn_body_free(&s->body);
     sn_tri_mesh_free(&s->skin);
@@ -85,6 +86,7 @@ void sn_scene_clear_notes(sn_scene *s)
 
 void sn_scene_stale_body(sn_scene *s)
 {
+    s->shape_revision++;
     sn_locator_destroy(s->locator);
     sn_tissue_solver_destroy(s->solver);
     sn_harmonic_destroy(s->harmonic);
@@ -110,7 +112,11 @@ void sn_scene_drop_fields(sn_scene *s, int32_t i_muscle)
     s->field = NULL;
     s->n_field = 0;
     s->is_fat_edited = true;
-    for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->is_edited = true;
+    s->fat_stamp = 0;
+    for (int32_t i = 0; i < s->n_muscle; i++) {
+        s->muscle[i]->is_edited = true;
+        s->muscle[i]->stamp = 0;
+    }
 }
 
 void sn_scene_stale_curves(sn_scene *s)
@@ -152,6 +158,18 @@ sn_status sn_scene_set_alpha(sn_scene *s, double value, sn_error *err)
     if (value != s->alpha) sn_scene_stale_curves(s);
     s->alpha = value;
     return SN_OK;
+}
+
+void sn_scene_set_solver(sn_scene *s, sn_solver_kind kind)
+{
+    if (kind == s->solver_kind) return;
+    s->solver_kind = kind;
+    sn_tissue_solver_destroy(s->solver);
+    sn_harmonic_destroy(s->harmonic);
+    s->solver = NULL;
+    s->harmonic = NULL;
+    sn_scene_drop_fields(s, -1);
+    sn_scene_stale_curves(s);
 }
 
 double sn_scene_fat(const sn_scene *s)

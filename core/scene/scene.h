@@ -123,6 +123,8 @@ SN_MUST_USE sn_status sn_scene_solve(sn_scene *s, const sn_run *run, sn_solve_re
  * above. */
 SN_MUST_USE sn_status sn_scene_solve_quick(sn_scene *s, const sn_run *run, sn_solve_report *report,
                                            sn_error *err);
+/* From the next solve on; another one than before makes the fields stale. */
+void sn_scene_set_solver(sn_scene *s, sn_solver_kind kind);
 /* Whether the last solve that had something to do solved for this tissue, and made a factor for it alone. */
 bool sn_scene_was_solved(const sn_scene *s, int32_t i_tissue);
 bool sn_scene_was_factorized(const sn_scene *s, int32_t i_tissue);

@@ -39,6 +39,9 @@ struct sn_scene {
     char *name, *unit;
     sn_up up;
     uint64_t revision;
+    uint64_t shape_revision,
+        field_revision;      /* counted up when skin, bones or tets, when `field` is written */
+    struct scene_view *view; /* what the last picture leaves to the next: scene_picture.c    */
     sn_notes notes;
 
     sn_tri_mesh skin; /* n_face = 0: none */
@@ -62,6 +65,7 @@ struct sn_scene {
     bool has_body;
     sn_locator *locator; /* with the body */
 
+    sn_solver_kind solver_kind;
     sn_tissue_solver *solver; /* with the body                                         */
     sn_solve_report solved;   /* the last solve that had something to do               */
     sn_harmonic *harmonic;    /* with the body; NULL until there is reason to make it  */
@@ -99,6 +103,7 @@ SN_MUST_USE sn_status sn_scene_half_of(const sn_tri_mesh *whole, const char *wha
 void sn_scene_drop_joint(sn_scene *s, int32_t i_joint);
 /* Maps the joints that stay with a mirrored or edited bone. */
 SN_MUST_USE sn_status sn_scene_mirror_joints(sn_scene *s, sn_vec3 point, sn_vec3 normal, sn_error *err);
+void sn_scene_free_view(sn_scene *s); /* the next picture is made from nothing */
 SN_MUST_USE sn_status sn_scene_check_muscle(const sn_scene *s, int32_t i_muscle, sn_error *err);
 
 #endif

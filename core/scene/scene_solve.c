@@ -23,7 +23,7 @@ static sn_status need_rows(sn_scene *s, sn_error *err)
 
 static sn_status need_solver(sn_scene *s, const sn_run *run, sn_error *err)
 {
-    return s->solver ? SN_OK : sn_tissue_solver_create(&s->solver, &s->body, run, err);
+    return s->solver ? SN_OK : sn_tissue_solver_create(&s->solver, &s->body, s->solver_kind, run, err);
 }
 
 static sn_status need_curves(sn_scene *s, sn_error *err)
@@ -278,9 +278,15 @@ static void mark_solved(const solve_job *job)
 static void mark_failed(const solve_job *job)
 {
     sn_scene *s = job->scene;
-    if (job->is_shared[0]) s->is_fat_edited = true;
+    if (job->is_shared[0]) {
+        s->is_fat_edited = true;
+        s->fat_stamp = 0;
+    }
     for (int32_t i = 0; i < s->n_muscle; i++)
-        if (!s->muscle[i]->is_solved) s->muscle[i]->is_edited = true;
+        if (!s->muscle[i]->is_solved) {
+            s->muscle[i]->is_edited = true;
+            s->muscle[i]->stamp = 0;
+        }
 }
 
 static bool is_stale(const sn_scene *s)
@@ -299,6 +305,7 @@ static sn_status need_values(sn_scene *s, bool is_quick, const sn_run *run, sn_s
         return SN_OK;
     }
     s->is_volume_kept = false;
+    s->field_revision++;
     for (int32_t i = 0; i < s->n_muscle; i++) s->muscle[i]->was_factorized = false;
     solve_job job;
     sn_status st = begin_job(&job, s, is_quick, err);

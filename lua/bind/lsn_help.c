@@ -183,23 +183,28 @@ static const help scenes[] = {
     {"scene:muscle", "scene:muscle(name) -> muscle"},
     {"scene:muscles", "scene:muscles() -> list of muscles in the order added"},
     {"scene:remove_muscle", "scene:remove_muscle(name)"},
-    {"scene:solve",
-     "scene:solve{quick=false, solver=} -> {seconds=, unknowns=, collocation_points=, residual=, tissues=, "
-     "factorized=, ...}  solves the tissue functions; does nothing when they are up to date. tissues: the "
-     "names of "
-     "those solved for. An edit is solved for by the factor of before (changed_rows: rows of the curves that "
-     "it does "
-     "not have); factorized: a new one was made, factorized_muscles: anisotropic ones that got one of their "
-     "own. "
-     "quick: for the picture while something is edited: fields that change by less than 1e-3 of the largest "
-     "tissue "
-     "value may stay (kept: how many); pictures then show these, and what else asks for fields solves "
-     "exactly first. "
-     "residual: |A x - b| over |b| of a sum of the fields. seconds_assembly and seconds_analysis are those "
-     "of the tet "
-     "mesh; seconds_factor, seconds_solve of this solve; seconds_frames and seconds_anisotropic are summed "
-     "over the "
-     "anisotropic muscles, which run side by side"},
+    {"scene:solve", "scene:solve{quick=false, solver=\"auto\"} -> {seconds=, unknowns=, collocation_points=, "
+                    "residual=, tissues=, "
+                    "factorized=, ...}  solves the tissue functions; does nothing when they are up to date. "
+                    "tissues: the names of "
+                    "those solved for. An edit is solved for by the factor of before (changed_rows: rows of "
+                    "the curves that it does "
+                    "not have); factorized: a new one was made, factorized_muscles: anisotropic ones that "
+                    "got one of their own. "
+                    "quick: for the picture while something is edited: fields that change by less than 1e-3 "
+                    "of the largest tissue "
+                    "value may stay (kept: how many); pictures then show these, and what else asks for "
+                    "fields solves exactly first. "
+                    "solver: \"direct\" (a factor: memory of some n^4/3), \"iterative\" (conjugate gradients "
+                    "with multigrid, memory in "
+                    "proportion to the mesh, the same fields to 1e-8) or \"auto\", direct up to 1.5 million "
+                    "unknowns; stays for later "
+                    "solves; solver and iterations in the result tell what was done. "
+                    "residual: |A x - b| over |b| of a sum of the fields. seconds_assembly and "
+                    "seconds_analysis are those of the tet "
+                    "mesh; seconds_factor, seconds_solve of this solve; seconds_frames and "
+                    "seconds_anisotropic are summed over the "
+                    "anisotropic muscles, which run side by side"},
     {"scene:values_at",
      "scene:values_at(p) -> {fat=, NAME=, ...} or nil  the tissue functions at p; nil outside the tet mesh"},
     {"scene:tissue_at", "scene:tissue_at(p) -> muscle name | \"fat\" | \"bone:NAME\" | nil outside"},
@@ -219,14 +224,17 @@ static const help scenes[] = {
     {"scene:render",
      "scene:render{file=, size={800, 600}, camera=\"front\", show={\"muscles\", \"bones\", \"skin\"}, "
      "clip={point=, normal=}, "
-     "background=\"white\", skin_opacity=0.3, samples=2, fiber_count=150} -> image  camera: front back left "
+     "background=\"white\", skin_opacity=0.3, samples=2, fiber_count=150, renderer=} -> image  camera: front "
+     "back left "
      "right top bottom "
      "iso, {eye=, "
      "target=, up=, fov=30} or {azimuth=, elevation=, zoom=}; show also curves, points, fibers (fiber_count "
      "lines in each "
      "muscle; solid where muscles are not shown), frames (e1 red, e2 green, e3 blue, as long as the roots of "
      "the "
-     "eigenvalues, of muscles that have one); tendon is drawn pale; clip "
+     "eigenvalues, of muscles that have one); tendon is drawn pale; a picture after another of the same "
+     "scene is fast, with samples=1 (coarser edges) "
+     "faster still; renderer is osmesa, egl or auto, the program's --renderer when not given; clip "
      "removes the side its normal "
      "points to; background: {r, g, b, a} in 0..1, \"#rrggbb\", \"white\", \"black\" or \"transparent\""},
     {"scene:extract", "scene:extract{margin=0.001} -> extraction  every muscle and \"fat\" as tets that fit "

@@ -253,6 +253,9 @@ static void set_solve_report(lua_State *L, const sn_solve_report *s)
     lsn_set_integer(L, "unknowns", r->unknowns);
     lsn_set_integer(L, "collocation_points", r->collocation_points);
     lsn_set_integer(L, "factor_entries", r->factor_entries);
+    lua_pushstring(L, r->is_iterative ? "iterative" : "direct");
+    lua_setfield(L, -2, "solver");
+    lsn_set_integer(L, "iterations", r->iterations);
     lsn_set_integer(L, "changed_rows", r->n_changed_rows);
     lsn_set_integer(L, "solved", r->n_solved);
     lsn_set_integer(L, "kept", r->n_kept);
@@ -270,9 +273,22 @@ static void set_solve_report(lua_State *L, const sn_solve_report *s)
     lsn_set_bool(L, "quick", s->was_quick);
 }
 
+static void read_solver(lua_State *L, sn_scene *s)
+{
+    static const char *const kind[] = {"auto", "direct", "iterative"}; /* as in sn_solver_kind */
+    const char *wanted = lsn_opt_string(L, 2, "solver", NULL);
+    for (int i = 0; wanted && i < 3; i++)
+        if (strcmp(wanted, kind[i]) == 0) {
+            sn_scene_set_solver(s, (sn_solver_kind)i);
+            wanted = NULL;
+        }
+    if (wanted)
+        (void)lsn_option_error(L, 2, "solver", "unknown '%s' (known: auto, direct, iterative)", wanted);
+}
+
 static int scene_solve(lua_State *L)
 {
-    static const char *const keys[] = {"quick", NULL};
+    static const char *const keys[] = {"quick", "solver", NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     sn_solve_report r = {0};
     sn_error err;
@@ -280,6 +296,7 @@ static int scene_solve(lua_State *L)
     if (!lua_isnoneornil(L, 2)) {
         lsn_check_keys(L, 2, keys);
         is_quick = lsn_opt_bool(L, 2, "quick", false);
+        read_solver(L, s);
     }
     sn_status st =
         is_quick ? sn_scene_solve_quick(s, run_of(L), &r, &err) : sn_scene_solve(s, run_of(L), &r, &err);

@@ -387,7 +387,7 @@ static sn_tissue_solver *solver_of(const scene *s, double alpha, const sn_run *r
 {
     sn_tissue_solver *t = NULL;
     sn_error err = {.msg = ""};
-    if (sn_tissue_solver_create(&t, &s->body, run, &err)) fail_msg("%s", err.msg);
+    if (sn_tissue_solver_create(&t, &s->body, SN_SOLVER_AUTO, run, &err)) fail_msg("%s", err.msg);
     if (sn_tissue_solver_set_curves(t, s->ptr, s->n_muscle, alpha, &err)) fail_msg("%s", err.msg);
     return t;
 }
@@ -691,7 +691,7 @@ static void what_cannot_be_solved(void **state)
     sn_tissue_solver *t = (sn_tissue_solver *)&m;
     sn_body_init(&b);
     assert_int_equal(sn_body_from_tets(&m, SN_LABEL_SKIN, &b, NULL), SN_OK);
-    assert_int_equal(sn_tissue_solver_create(&t, &b, NULL, &err), SN_ESOLVE);
+    assert_int_equal(sn_tissue_solver_create(&t, &b, SN_SOLVER_AUTO, NULL, &err), SN_ESOLVE);
     assert_string_equal(err.msg, "the tet mesh has no vertex off the skin: mesh with a smaller edge length");
     assert_null(t);
     sn_body_free(&b);
@@ -700,7 +700,7 @@ static void what_cannot_be_solved(void **state)
     make_small_scene(&s, 1.0);
     double *field = new_field(&s);
     field[5] = 42.0;
-    assert_int_equal(sn_tissue_solver_create(&t, &s.body, NULL, NULL), SN_OK);
+    assert_int_equal(sn_tissue_solver_create(&t, &s.body, SN_SOLVER_AUTO, NULL, NULL), SN_OK);
     assert_int_equal(sn_tissue_solver_solve(t, 0.2, NULL, NULL, NULL, NULL, field, &err), SN_EINVAL);
     assert_string_equal(err.msg, "tissue: no curves set");
     const double bad[] = {0.0, -1.0, INFINITY};
@@ -734,7 +734,7 @@ static void what_cannot_be_solved(void **state)
     assert_string_equal(err.msg, "interrupted while assembling");
     sn_tissue_solver_destroy(t);
     sn_tissue_solver_destroy(NULL);
-    assert_int_equal(sn_tissue_solver_create(&t, &s.body, &stop, &err), SN_ECANCEL);
+    assert_int_equal(sn_tissue_solver_create(&t, &s.body, SN_SOLVER_AUTO, &stop, &err), SN_ECANCEL);
     assert_null(t);
     free(field);
     free_scene(&s);
@@ -749,7 +749,7 @@ static void floating_body_without_curves(void **state)
     for (size_t h = 0; h < 4 * (size_t)s.body.mesh.n_tet; h++)
         if (s.body.across[h] < 0) s.body.across[h] = -1 - SN_LABEL_BONE(0);
     sn_tissue_solver *t = NULL;
-    assert_int_equal(sn_tissue_solver_create(&t, &s.body, NULL, NULL), SN_OK);
+    assert_int_equal(sn_tissue_solver_create(&t, &s.body, SN_SOLVER_AUTO, NULL, NULL), SN_OK);
     sn_error err = {.msg = ""};
     double *field = new_field(&s);
     sn_status st = sn_tissue_solver_set_curves(t, s.ptr, 0, 5.0, &err);
@@ -783,7 +783,7 @@ static void every_allocation_may_fail(void **state)
         sn_tissue_solver *t = NULL;
         sn_error err;
         sn_set_allocator(RATION(r));
-        st = sn_tissue_solver_create(&t, &s.body, &one, &err);
+        st = sn_tissue_solver_create(&t, &s.body, SN_SOLVER_AUTO, &one, &err);
         if (st) assert_null(t);
         if (!st) st = sn_tissue_solver_set_curves(t, s.ptr, 2, 5.0, &err);
         if (!st) st = sn_tissue_solver_solve(t, 0.2, NULL, NULL, NULL, &one, field, &err);

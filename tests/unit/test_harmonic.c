@@ -241,7 +241,7 @@ static void functions_held_at_zero(void **state)
     sn_harmonic *h = NULL, *own = NULL;
     sn_body_init(&body);
     assert_int_equal(sn_body_from_tets(&m, SN_LABEL_SKIN, &body, NULL), SN_OK);
-    assert_int_equal(sn_tissue_solver_create(&solver, &body, NULL, NULL), SN_OK);
+    assert_int_equal(sn_tissue_solver_create(&solver, &body, SN_SOLVER_AUTO, NULL, NULL), SN_OK);
     assert_int_equal(sn_tissue_solver_harmonic(solver, &h, NULL, NULL), SN_OK);
     const int32_t *number = sn_harmonic_numbers(h);
     int32_t fixed[3], n_free = 0;

@@ -251,6 +251,66 @@ static void stopped_solves(void **state)
     sn_scene_destroy(s);
 }
 
+/* ---- the iterative solver ---- */
+
+static void iterative_fields_are_the_direct_ones(void **state)
+{
+    (void)state;
+    sn_scene *s = made_limb(0.16, 6); /* more than one level of multigrid */
+    const sn_anisotropy a = {.is_on = true, .angle_deg = 20, .eigenvalue = {1, 3, 0.5}};
+    assert_int_equal(sn_scene_set_anisotropy(s, 1, &a, NULL), SN_OK);
+    sn_solve_report r = solve(s);
+    assert_false(r.tissue.is_iterative);
+    assert_int_equal(r.tissue.iterations, 0);
+    for (int k = 0; k < 3; k++) { /* as it was; moved; back and another value */
+        sn_vec3 p = sn_v3(k == 1 ? 0.3 : 0.4, -2.9, 0.1);
+        assert_int_equal(sn_scene_set_point(s, 0, 0, 1, p, NULL), SN_OK);
+        assert_int_equal(sn_scene_set_tissue(s, 4, 0, 1, 1.0 + 0.5 * (k == 2), NULL), SN_OK);
+        sn_scene_set_solver(s, SN_SOLVER_DIRECT);
+        solve(s);
+        double *direct = copy_of(s, sn_scene_fields(s));
+        sn_scene_set_solver(s, SN_SOLVER_ITERATIVE);
+        assert_null(sn_scene_fields(s));
+        r = solve(s);
+        assert_true(r.tissue.is_iterative && r.tissue.iterations > 5);
+        assert_int_equal(r.tissue.factor_entries, 0);
+        assert_true(difference(s, sn_scene_fields(s), direct) < 1e-8);
+        sn_release(direct);
+    }
+    sn_scene_destroy(s);
+}
+
+/* Edits go on from the fields of before; quick ones stop early, and exact ones follow. */
+static void iterative_edits(void **state)
+{
+    (void)state;
+    sn_scene *s = made_limb(0.16, 5);
+    sn_scene_set_solver(s, SN_SOLVER_ITERATIVE);
+    int32_t first = solve(s).tissue.iterations;
+    assert_int_equal(sn_scene_set_point(s, 0, 0, 1, sn_v3(0.42, -2.95, 0.02), NULL), SN_OK);
+    sn_solve_report r = solve_quick(s);
+    assert_true(r.was_quick && r.tissue.iterations < first && !r.was_factorized);
+    assert_null(sn_scene_fields(s));
+    double *quick = copy_of(s, sn_scene_picture_fields(s));
+    solve(s);
+    assert_true(difference(s, quick, sn_scene_fields(s)) < 1e-3);
+    sn_release(quick);
+    assert_int_equal(sn_scene_set_fat(s, 0.3, NULL), SN_OK); /* no system to be solved */
+    r = solve(s);
+    assert_int_equal(r.tissue.n_solved, 1);
+    double *edited = copy_of(s, sn_scene_fields(s));
+    sn_scene_set_solver(s, SN_SOLVER_DIRECT);
+    solve(s);
+    assert_true(difference(s, edited, sn_scene_fields(s)) < 1e-8);
+    sn_release(edited);
+    volatile sig_atomic_t cancel = 1;
+    sn_error err;
+    sn_scene_set_solver(s, SN_SOLVER_ITERATIVE);
+    assert_int_equal(sn_scene_solve(s, &(sn_run){.cancel = &cancel}, NULL, &err), SN_ECANCEL);
+    solve(s);
+    sn_scene_destroy(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -258,6 +318,8 @@ int main(void)
         cmocka_unit_test(exact_follows_quick),
         cmocka_unit_test(own_factors_are_kept),
         cmocka_unit_test(stopped_solves),
+        cmocka_unit_test(iterative_fields_are_the_direct_ones),
+        cmocka_unit_test(iterative_edits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
