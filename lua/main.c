@@ -1,9 +1,11 @@
 /* main.c - the program `sinew`: a script runner, a REPL and a few commands around the library. */
 #define _GNU_SOURCE
+#include "base/run.h"
 #include "commands.h"
 #include "exit_code.h"
 #include "interrupt.h"
 #include "options.h"
+#include "progress.h"
 #include "runner.h"
 
 #include <errno.h>
@@ -11,6 +13,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static int dispatch(const cli_options *o)
 {
@@ -47,6 +50,15 @@ static int finish_output(int code)
     return code ? code : CLI_EXIT_INPUT;
 }
 
+/* While a library still works on what was interrupted, it must not be taken down. */
+static void end_at_once(int code)
+{
+    if (sn_run_left_behind() == 0) return;
+    cli_progress_erase();
+    (void)fflush(NULL);
+    _exit(code);
+}
+
 int main(int argc, char **argv)
 {
     cli_options options;
@@ -61,5 +73,6 @@ int main(int argc, char **argv)
         code = finish_output(dispatch(&options));
     }
     cli_options_free(&options);
+    end_at_once(code);
     return code;
 }

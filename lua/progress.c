@@ -12,6 +12,7 @@
 
 #define SHOW_AFTER 1.0 /* seconds */
 #define SHOW_EVERY 0.1
+#define LEAST_FRACTION 0.02 /* of a step, to guess from how long the rest takes */
 
 static struct {
     bool is_on, has_exit_handler;
@@ -43,7 +44,10 @@ static int columns(void)
 static void draw(double fraction, double seconds)
 {
     char line[160];
-    if (fraction >= 0.0)
+    if (fraction >= LEAST_FRACTION)
+        (void)snprintf(line, sizeof line, "%s: %3.0f %%, %.0f s, about %.0f s left", bar.step,
+                       100.0 * fraction, seconds, seconds * (1.0 - fraction) / fraction);
+    else if (fraction >= 0.0)
         (void)snprintf(line, sizeof line, "%s: %3.0f %%, %.0f s", bar.step, 100.0 * fraction, seconds);
     else
         (void)snprintf(line, sizeof line, "%s: %.0f s", bar.step, seconds);

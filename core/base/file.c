@@ -2,11 +2,14 @@
 #include "base/file.h"
 
 #include "base/alloc.h"
+#include "base/number_bridge.h"
 
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <float.h>
 #include <locale.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,7 +34,8 @@ double sn_parse_double(const char *s, const char **end)
     return v;
 }
 
-int sn_format_double(char buf[32], double v)
+/* By the C library: any number, but slowly. */
+static int format_slowly(char buf[32], double v)
 {
     (void)pthread_once(&c_locale_once, make_c_locale);
     locale_t old = uselocale(c_locale);
@@ -42,6 +46,58 @@ int sn_format_double(char buf[32], double v)
     }
     (void)uselocale(old);
     return n;
+}
+
+/* As printf's %g lays n digits out for the precision of 15, or n when that is more. */
+static char *write_digits(char *p, const char *digit, int n, int exponent)
+{
+    int precision = n > 15 ? n : 15;
+    if (exponent < -4 || exponent >= precision) {
+        *p++ = digit[0];
+        if (n > 1) *p++ = '.';
+        for (int i = 1; i < n; i++) *p++ = digit[i];
+        *p++ = 'e';
+        *p++ = exponent < 0 ? '-' : '+';
+        int e = exponent < 0 ? -exponent : exponent;
+        if (e >= 100) *p++ = (char)('0' + e / 100);
+        *p++ = (char)('0' + e / 10 % 10);
+        *p++ = (char)('0' + e % 10);
+        return p;
+    }
+    if (exponent < 0) {
+        *p++ = '0';
+        *p++ = '.';
+        for (int i = -1; i > exponent; i--) *p++ = '0';
+    }
+    for (int i = 0; i < n || i <= exponent; i++) {
+        if (i > 0 && i == exponent + 1) *p++ = '.';
+        *p++ = i < n ? digit[i] : '0';
+    }
+    return p;
+}
+
+/* Below a power of two numbers lie twice as dense as above it: the nearest number of 16 digits may then miss
+ * v while another one reads back to it, and the two ways of writing differ. */
+static bool is_power_of_two(double v)
+{
+    int e;
+    return frexp(v, &e) == 0.5;
+}
+
+int sn_format_double(char buf[32], double v)
+{
+    char digit[SN_DIGITS_MAX], *p = buf;
+    double size = fabs(v);
+    if (size != 0.0 && !(size >= DBL_MIN && size <= DBL_MAX)) return format_slowly(buf, v);
+    int exponent = 0, n = size > 0.0 ? sn_shortest_digits(size, digit, &exponent) : 0;
+    if (n > 15 && is_power_of_two(size)) return format_slowly(buf, v);
+    if (signbit(v)) *p++ = '-';
+    if (n > 0)
+        p = write_digits(p, digit, n, exponent);
+    else
+        *p++ = '0';
+    *p = '\0';
+    return (int)(p - buf);
 }
 
 static sn_status io_fail(sn_error *err, const char *path, const char *what, int code)
@@ -127,12 +183,20 @@ sn_status sn_dir_create(const char *path, sn_error *err)
     return io_fail(err, path, "create the folder", code);
 }
 
+#define BUFFER_SIZE ((size_t)1 << 18)
+
 struct sn_out {
-    FILE *f;
+    int fd;
     char *path;   /* as given, for messages */
     char *target; /* where links lead       */
     char *temp;
+    char *buffer; /* BUFFER_SIZE, n_buffer of them waiting to be written */
+    size_t n_buffer;
     int error; /* errno of the first failure, 0 when none */
+    const sn_run *run;
+    const char *step;
+    double size, expected; /* bytes written so far, and in the end */
+    sn_error stop;         /* its code is 0 until the run was stopped */
 };
 
 static void out_free(sn_out *o)
@@ -140,20 +204,19 @@ static void out_free(sn_out *o)
     sn_release(o->path);
     sn_release(o->target);
     sn_release(o->temp);
+    sn_release(o->buffer);
     sn_release(o);
 }
 
 /* A random name beside the target with the rights that a plain new file would get. */
-static FILE *open_temp(char *temp)
+static int open_temp(char *temp)
 {
-    int fd = mkstemp(temp);
-    if (fd < 0) return NULL;
+    int fd = mkostemp(temp, O_CLOEXEC);
+    if (fd < 0) return fd;
     mode_t mask = umask(0);
     (void)umask(mask);
     (void)fchmod(fd, 0666 & ~mask);
-    FILE *f = fdopen(fd, "wb");
-    if (!f) (void)close(fd);
-    return f;
+    return fd;
 }
 
 static sn_out *out_new(const char *path)
@@ -166,7 +229,8 @@ static sn_out *out_new(const char *path)
     free(real);
     size_t n = o->target ? strlen(o->target) + 16 : 0;
     o->temp = sn_alloc(n, 1);
-    if (o->path && o->target && o->temp) {
+    o->buffer = sn_alloc(BUFFER_SIZE, 1);
+    if (o->path && o->target && o->temp && o->buffer) {
         (void)snprintf(o->temp, n, "%s.XXXXXX", o->target);
         return o;
     }
@@ -184,20 +248,61 @@ sn_status sn_out_open(sn_out **out, const char *path, sn_error *err)
     }
     sn_out *o = out_new(path);
     if (!o) return sn_fail(err, SN_ENOMEM, "%s: no memory to write it", path);
-    o->f = open_temp(o->temp);
-    if (!o->f) {
+    o->fd = open_temp(o->temp);
+    if (o->fd < 0) {
         sn_status st = io_fail(err, path, "write", errno);
         out_free(o);
         return st;
     }
-    (void)setvbuf(o->f, NULL, _IOFBF, 1 << 16);
     *out = o;
     return SN_OK;
 }
 
+void sn_out_watch(sn_out *o, const sn_run *run, const char *step, double expected)
+{
+    o->run = run;
+    o->step = step;
+    o->expected = expected;
+}
+
+bool sn_out_failed(const sn_out *o)
+{
+    return o->error != 0 || o->stop.code != SN_OK;
+}
+
+static void write_out(sn_out *o, const char *p, size_t size)
+{
+    while (size > 0 && !sn_out_failed(o)) {
+        size_t piece = size < 4 * BUFFER_SIZE ? size : 4 * BUFFER_SIZE;
+        double share = o->expected > 0.0 ? fmin(o->size / o->expected, 1.0) : -1.0;
+        if (sn_run_step(o->run, o->step, share, &o->stop)) return;
+        ssize_t n = write(o->fd, p, piece);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) {
+            o->error = n < 0 ? errno : EIO;
+            return;
+        }
+        p += n;
+        size -= (size_t)n;
+        o->size += (double)n;
+    }
+}
+
+static void flush(sn_out *o)
+{
+    write_out(o, o->buffer, o->n_buffer);
+    o->n_buffer = 0;
+}
+
 void sn_out_bytes(sn_out *o, const void *data, size_t size)
 {
-    if (size > 0 && !o->error && fwrite(data, 1, size, o->f) != size) o->error = errno ? errno : EIO;
+    if (size > BUFFER_SIZE - o->n_buffer) flush(o);
+    if (size > BUFFER_SIZE) {
+        write_out(o, data, size);
+    } else if (size > 0) {
+        memcpy(o->buffer + o->n_buffer, data, size);
+        o->n_buffer += size;
+    }
 }
 
 void sn_out_text(sn_out *o, const char *s)
@@ -224,38 +329,59 @@ void sn_out_double(sn_out *o, double v)
     sn_out_bytes(o, buf, (size_t)n);
 }
 
+static const char base64_digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/* Two digits for each 12 bits. */
+static char base64_pairs[4096][2];
+static pthread_once_t base64_once = PTHREAD_ONCE_INIT;
+
+static void make_base64_pairs(void)
+{
+    for (int i = 0; i < 4096; i++) {
+        base64_pairs[i][0] = base64_digits[i >> 6];
+        base64_pairs[i][1] = base64_digits[i & 63];
+    }
+}
+
+/* The last one or two bytes. */
+static void put_base64_rest(sn_out *o, const unsigned char *p, size_t left)
+{
+    unsigned v = (unsigned)p[0] << 16 | (left > 1 ? (unsigned)p[1] << 8 : 0u);
+    char out[4] = {base64_digits[v >> 18], base64_digits[v >> 12 & 63],
+                   left > 1 ? base64_digits[v >> 6 & 63] : '=', '='};
+    sn_out_bytes(o, out, sizeof out);
+}
+
 void sn_out_base64(sn_out *o, const void *data, size_t size)
 {
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     const unsigned char *p = data;
     char block[4096];
-    size_t n = 0;
-    for (size_t i = 0; i < size; i += 3) {
-        size_t left = size - i;
-        unsigned v = (unsigned)p[i] << 16;
-        if (left > 1) v |= (unsigned)p[i + 1] << 8;
-        if (left > 2) v |= p[i + 2];
-        block[n++] = digits[v >> 18];
-        block[n++] = digits[v >> 12 & 63];
-        block[n++] = left > 1 ? digits[v >> 6 & 63] : '=';
-        block[n++] = left > 2 ? digits[v & 63] : '=';
+    size_t n = 0, whole = size - size % 3;
+    (void)pthread_once(&base64_once, make_base64_pairs);
+    for (size_t i = 0; i < whole; i += 3) {
+        unsigned v = (unsigned)p[i] << 16 | (unsigned)p[i + 1] << 8 | p[i + 2];
+        memcpy(block + n, base64_pairs[v >> 12], 2);
+        memcpy(block + n + 2, base64_pairs[v & 4095], 2);
+        n += 4;
         if (n == sizeof block) {
             sn_out_bytes(o, block, n);
             n = 0;
         }
     }
     sn_out_bytes(o, block, n);
+    if (whole < size) put_base64_rest(o, p + whole, size - whole);
 }
 
 sn_status sn_out_commit(sn_out *o, sn_error *err)
 {
-    if (fflush(o->f) != 0 && !o->error) o->error = errno;
-    if (fclose(o->f) != 0 && !o->error) o->error = errno;
-    if (!o->error && rename(o->temp, o->target) != 0) o->error = errno;
+    flush(o);
+    if (close(o->fd) != 0 && !o->error) o->error = errno;
+    if (!sn_out_failed(o) && rename(o->temp, o->target) != 0) o->error = errno;
     sn_status st = SN_OK;
-    if (o->error) {
+    if (sn_out_failed(o)) {
         (void)remove(o->temp);
-        st = io_fail(err, o->path, "write", o->error);
+        st = o->error ? io_fail(err, o->path, "write", o->error) : o->stop.code;
+        if (!o->error && err) *err = o->stop;
     }
     out_free(o);
     return st;
@@ -264,7 +390,7 @@ sn_status sn_out_commit(sn_out *o, sn_error *err)
 void sn_out_abort(sn_out *o)
 {
     if (!o) return;
-    (void)fclose(o->f);
+    (void)close(o->fd);
     (void)remove(o->temp);
     out_free(o);
 }

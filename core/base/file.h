@@ -5,6 +5,7 @@
 #ifndef SN_BASE_FILE_H
 #define SN_BASE_FILE_H
 
+#include "base/run.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -25,6 +26,11 @@ typedef struct sn_out sn_out; /* opaque: a buffered stream into the temporary fi
 /* A link is followed: what it leads to is replaced. Errors: SN_EIO (also for folders and devices), SN_ENOMEM.
  */
 SN_MUST_USE sn_status sn_out_open(sn_out **out, const char *path, sn_error *err);
+/* From now on bytes that go out report progress as that step (a text that lives as long as o) and a stop of
+ * the run is kept as a failure. run: NULL for none; borrowed. expected: bytes of the whole file, 0: not
+ * known. */
+void sn_out_watch(sn_out *o, const sn_run *run, const char *step, double expected);
+bool sn_out_failed(const sn_out *o); /* what is still written is lost: long writers may as well end */
 void sn_out_bytes(sn_out *o, const void *data, size_t size); /* failures are kept until sn_out_commit */
 void sn_out_text(sn_out *o, const char *s);
 void sn_out_int(sn_out *o, int64_t v);
@@ -33,7 +39,7 @@ void sn_out_double(sn_out *o,
 /* Base64 of data in one go (RFC 4648, padded). */
 void sn_out_base64(sn_out *o, const void *data, size_t size);
 /* Closes, renames over the target, destroys o (also on failure, then the target is untouched). Errors:
- * SN_EIO. */
+ * SN_EIO; SN_ECANCEL, SN_ELIMIT when the run was stopped. */
 SN_MUST_USE sn_status sn_out_commit(sn_out *o, sn_error *err);
 void sn_out_abort(sn_out *o); /* removes the temporary file, destroys o; NULL is fine */
 

@@ -61,20 +61,36 @@ typedef struct outcome {
 } outcome;
 
 typedef struct items {
+    const sn_run *outer;
     sn_run run; /* of each */
     int32_t n;
     sn_each_fn fn;
     void *user;
     outcome *of;
-    atomic_int next;
+    atomic_int next, n_done;
 } items;
 
-static void *work(void *arg)
+static void work(items *w, const sn_run *run)
+{
+    for (int i = atomic_fetch_add(&w->next, 1); i < w->n; i = atomic_fetch_add(&w->next, 1)) {
+        w->of[i].status = w->fn(w->user, i, run, &w->of[i].error);
+        (void)atomic_fetch_add(&w->n_done, 1);
+    }
+}
+
+static void *help(void *arg)
 {
     items *w = arg;
-    for (int i = atomic_fetch_add(&w->next, 1); i < w->n; i = atomic_fetch_add(&w->next, 1))
-        w->of[i].status = w->fn(w->user, i, &w->run, &w->of[i].error);
+    work(w, &w->run);
     return NULL;
+}
+
+/* What an item of the caller's thread reports, as a part of all items. */
+static void report_item(void *user, const char *step, double fraction)
+{
+    const items *w = user;
+    double of_all = fraction < 0.0 ? fraction : (atomic_load(&w->n_done) + fraction) / w->n;
+    w->outer->progress(w->outer->user, step, of_all < 1.0 ? of_all : 1.0);
 }
 
 /* The caller works, too; threads that cannot be had are done without. Signals stay with the caller's thread.
@@ -82,12 +98,17 @@ static void *work(void *arg)
 static void work_together(items *w, pthread_t *helper, int n_helper)
 {
     sigset_t all, before;
+    sn_run own = w->run;
     int n = 0;
+    if (w->outer && w->outer->progress) {
+        own.progress = report_item;
+        own.user = w;
+    }
     (void)sigfillset(&all);
     (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (n < n_helper && pthread_create(&helper[n], NULL, work, w) == 0) n++;
+    while (n < n_helper && pthread_create(&helper[n], NULL, help, w) == 0) n++;
     (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    (void)work(w);
+    work(w, &own);
     for (int i = 0; i < n; i++) (void)pthread_join(helper[i], NULL);
 }
 
@@ -103,8 +124,12 @@ static int count_at_once(int threads, int32_t n)
 sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err)
 {
     int threads = sn_run_threads(run), at_once = count_at_once(threads, n);
-    items w = {
-        .run = run ? *run : (sn_run){0}, .n = n, .fn = fn, .user = user, .of = SN_NEW_ZERO(outcome, n)};
+    items w = {.outer = run,
+               .run = run ? *run : (sn_run){0},
+               .n = n,
+               .fn = fn,
+               .user = user,
+               .of = SN_NEW_ZERO(outcome, n)};
     pthread_t *helper = SN_NEW(pthread_t, at_once);
     sn_status st = w.of && helper ? SN_OK : sn_fail(err, SN_ENOMEM, "no memory for %d items", n);
     w.run.progress = NULL; /* only the thread that called may report */

@@ -41,8 +41,9 @@ int sn_run_left_behind(void);
 
 /* Calls fn for i = 0 .. n - 1, many at a time: as many as the run has threads, or up to half as many more
  * where that evens the load and the run has the whole machine anyway (three on two cores). Each call gets a
- * run that reports no progress and has its share of the threads; an item must not depend on another. All are
- * called even when one fails; the error is that of the lowest index. Errors: those of fn, SN_ENOMEM. */
+ * run with its share of the threads; the items that the caller's own thread does report progress, as a part
+ * of all. An item must not depend on another. All are called even when one fails; the error is that of the
+ * lowest index. Errors: those of fn, SN_ENOMEM. */
 typedef sn_status (*sn_each_fn)(void *user, int32_t i, const sn_run *run, sn_error *err);
 SN_MUST_USE sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err);
 

@@ -18,10 +18,13 @@
 #include <float.h>
 #include <locale.h>
 #include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "made_mesh.h"
@@ -326,6 +329,48 @@ static locale_t comma_locale(void)
     l = newlocale(LC_ALL_MASK, "de_DE.UTF-8", (locale_t)0);
     (void)unsetenv("LOCPATH");
     return l;
+}
+
+/* The text is that of printf with the fewest of 15, 16 and 17 digits that read back. */
+static void assert_as_printf(double v)
+{
+    char buf[32], want[32];
+    for (int digits = 15; digits <= 17; digits++) {
+        (void)snprintf(want, sizeof want, "%.*g", digits, v);
+        if (strtod(want, NULL) == v) break;
+    }
+    (void)sn_format_double(buf, v);
+    if (strcmp(buf, want) != 0) fail_msg("%a: '%s', printf has '%s'", v, buf, want);
+}
+
+static void doubles_are_written_as_by_printf(void **state)
+{
+    (void)state;
+    uint64_t h = 7;
+    for (int e = -330; e <= 309; e++) { /* powers of ten and their neighbours, short numbers */
+        char text[32];
+        (void)snprintf(text, sizeof text, "1e%d", e);
+        double v = strtod(text, NULL);
+        if (!isfinite(v)) continue;
+        assert_as_printf(v);
+        assert_as_printf(nextafter(v, 0.0));
+        assert_as_printf(nextafter(v, INFINITY));
+        (void)snprintf(text, sizeof text, "-%de%d", (int)(1e6 * made_random(&h)), e);
+        assert_as_printf(strtod(text, NULL));
+    }
+    for (int e = -1080; e <= 1023; e++) { /* numbers lie unevenly about a power of two */
+        assert_as_printf(ldexp(1.0, e));
+        assert_as_printf(nextafter(ldexp(1.0, e), 0.0));
+        assert_as_printf(nextafter(ldexp(1.0, e), INFINITY));
+    }
+    for (int i = 0; i < 100000; i++) {
+        double v;
+        (void)made_random(&h);
+        memcpy(&v, &h, sizeof v);
+        if (isfinite(v)) assert_as_printf(v);
+        assert_as_printf(made_random(&h) - 0.5);
+        assert_as_printf(floor(1e9 * made_random(&h)) / 1000.0);
+    }
 }
 
 static void commas_of_the_locale_do_not_matter(void **state)
@@ -893,21 +938,32 @@ typedef struct each_seen {
     int count[64]; /* how often each item was called */
     int n_threads[64];
     int32_t bad[2]; /* items that fail */
+    bool has_progress;
+    pthread_t caller; /* who alone may report */
 } each_seen;
+
+static each_seen all_good(bool has_progress)
+{
+    return (each_seen){.bad = {-1, -1}, .has_progress = has_progress, .caller = pthread_self()};
+}
 
 static sn_status see_item(void *user, int32_t i, const sn_run *run, sn_error *err)
 {
     each_seen *s = user;
     s->count[i]++;
     s->n_threads[i] = sn_run_threads(run);
-    assert_true(run->progress == NULL);
+    assert_int_equal(run->progress != NULL, s->has_progress && pthread_equal(pthread_self(), s->caller));
+    if (run->progress) run->progress(run->user, "seeing", 0.5);
     if (i == s->bad[0] || i == s->bad[1]) return sn_fail(err, SN_EINVAL, "item %d is bad", i);
     return SN_OK;
 }
 
-static void report_nothing(void *user, const char *step, double fraction)
+static void see_progress(void *user, const char *step, double fraction)
 {
-    (void)user, (void)step, (void)fraction;
+    double *last = user;
+    assert_string_equal(step, "seeing");
+    assert_true(fraction > 0.0 && fraction <= 1.0);
+    *last = fraction;
 }
 
 static void each_item_is_called_once_and_the_first_error_is_given(void **state)
@@ -915,31 +971,92 @@ static void each_item_is_called_once_and_the_first_error_is_given(void **state)
     (void)state;
     for (int threads = 1; threads <= 4; threads++)
         for (int n = 0; n <= 64; n += 16) {
-            each_seen s = {.bad = {-1, -1}};
-            sn_run run = {.n_threads = threads, .progress = report_nothing};
+            double last = 0.0;
+            each_seen s = all_good(true);
+            sn_run run = {.n_threads = threads, .progress = see_progress, .user = &last};
             sn_error err = {.msg = ""};
             assert_int_equal(sn_run_each(&run, n, see_item, &s, &err), SN_OK);
             for (int i = 0; i < 64; i++) assert_int_equal(s.count[i], i < n);
             for (int i = 0; i < n; i++) assert_int_equal(s.n_threads[i], 1); /* all cores have an item */
+            if (threads == 1 && n > 0) assert_true(last == (n - 0.5) / n);   /* half of the last item */
             if (n == 0) continue;
-            s = (each_seen){.bad = {n - 1, n / 2}};
+            s = all_good(true);
+            s.bad[0] = n - 1;
+            s.bad[1] = n / 2;
             assert_int_equal(sn_run_each(&run, n, see_item, &s, &err), SN_EINVAL);
             char want[32];
             (void)snprintf(want, sizeof want, "item %d is bad", n / 2);
             assert_string_equal(err.msg, want);
             for (int i = 0; i < n; i++) assert_int_equal(s.count[i], 1);
         }
-    each_seen s = {.bad = {-1, -1}};
+    each_seen s = all_good(false);
     assert_int_equal(sn_run_each(&(sn_run){.n_threads = 4}, 2, see_item, &s, NULL), SN_OK);
     assert_int_equal(s.n_threads[0], 2); /* two items share four threads */
-    s = (each_seen){.bad = {0, -1}};
+    s = all_good(false);
+    s.bad[0] = 0;
     assert_int_equal(sn_run_each(NULL, 1, see_item, &s, NULL), SN_EINVAL);
+}
+
+/* ---- sn_run_apart ---- */
+
+typedef struct apart_job {
+    atomic_bool may_end, has_ended;
+    atomic_int n_left;
+} apart_job;
+
+static void wait_until_told(void *job)
+{
+    apart_job *j = job;
+    const struct timespec moment = {.tv_nsec = 1000000};
+    while (!atomic_load(&j->may_end)) (void)nanosleep(&moment, NULL);
+    atomic_store(&j->has_ended, true);
+}
+
+static void count_left(void *job)
+{
+    apart_job *j = job;
+    (void)atomic_fetch_add(&j->n_left, 1);
+}
+
+static void cancel_at_once(void *user, const char *step, double fraction)
+{
+    assert_string_equal(step, "waiting");
+    assert_true(fraction < 0.0);
+    *(volatile sig_atomic_t *)user = 1;
+}
+
+static void what_is_stopped_goes_on_apart(void **state)
+{
+    (void)state;
+    static apart_job j; /* outlives the test in any case */
+    volatile sig_atomic_t cancel = 0;
+    sn_error err;
+    const sn_run run = {.cancel = &cancel, .progress = cancel_at_once, .user = (void *)&cancel};
+    atomic_store(&j.may_end, true);
+    assert_int_equal(sn_run_apart(NULL, "waiting", wait_until_told, count_left, &j, &err), SN_OK);
+    assert_true(atomic_load(&j.has_ended));
+    assert_int_equal(sn_run_apart(&(sn_run){.deadline = sn_clock() + 1e4}, "waiting", wait_until_told,
+                                  count_left, &j, &err),
+                     SN_OK);
+    assert_int_equal(atomic_load(&j.n_left), 0);
+    atomic_store(&j.may_end, false);
+    atomic_store(&j.has_ended, false);
+    assert_int_equal(sn_run_apart(&run, "waiting", wait_until_told, count_left, &j, &err), SN_ECANCEL);
+    assert_string_equal(err.msg, "interrupted while waiting");
+    assert_false(atomic_load(&j.has_ended)); /* it came back before */
+    assert_int_equal(sn_run_left_behind(), 1);
+    atomic_store(&j.may_end, true);
+    const struct timespec moment = {.tv_nsec = 1000000};
+    while (sn_run_left_behind() > 0) (void)nanosleep(&moment, NULL);
+    assert_true(atomic_load(&j.has_ended));
+    assert_int_equal(atomic_load(&j.n_left), 1);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_item_is_called_once_and_the_first_error_is_given),
+        cmocka_unit_test(what_is_stopped_goes_on_apart),
         cmocka_unit_test(failing_fills_the_error),
         cmocka_unit_test(long_messages_are_cut),
         cmocka_unit_test(sizes_that_overflow_give_no_block),
@@ -949,6 +1066,7 @@ int main(void)
         cmocka_unit_test(sorting),
         cmocka_unit_test(sorting_distinct_keys),
         cmocka_unit_test(numbers_come_back_bit_by_bit),
+        cmocka_unit_test(doubles_are_written_as_by_printf),
         WITH_FOLDER(commas_of_the_locale_do_not_matter),
         WITH_FOLDER(reading_files),
         WITH_FOLDER(what_is_not_a_file_is_not_read),
