@@ -42,6 +42,7 @@
 #include "mesh/remesh.h"
 #include "mesh/repair.h"
 #include "mesh/shape.h"
+#include "mesh/sizing.h"
 #include "mesh/spline.h"
 #include "mesh/spline_fit.h"
 #include "mesh/surface_io.h"

@@ -21,6 +21,8 @@ const char cli_help_text[] =
     "  -o FILE           write the newest scene at the end: a picture to .png, the muscles\n"
     "                    to .vtu, .mesh, .msh or a folder\n"
     "  --threads N       use N threads (one per core)\n"
+    "  --renderer NAME   draw with osmesa (in software), egl (a GPU, or EGL's software) or auto:\n"
+    "                    egl where it gives a GPU, else osmesa (auto). -v says what was found\n"
     "  --time-limit S    stop after S seconds\n"
     "  --strict          fail when there was a warning\n"
     "  --json FILE       write a report of the run\n"
@@ -43,6 +45,7 @@ enum option_id {
     OPT_REPL,
     OPT_OUTPUT,
     OPT_THREADS,
+    OPT_RENDERER,
     OPT_TIME_LIMIT,
     OPT_STRICT,
     OPT_JSON,
@@ -73,6 +76,7 @@ static const option known[N_OPTION] = {
     [OPT_REPL] = {"-i", false, FOR_RUN},
     [OPT_OUTPUT] = {"-o", true, FOR_RUN},
     [OPT_THREADS] = {"--threads", true, FOR_RUN | FOR_INFO},
+    [OPT_RENDERER] = {"--renderer", true, FOR_RUN},
     [OPT_TIME_LIMIT] = {"--time-limit", true, FOR_RUN | FOR_INFO},
     [OPT_STRICT] = {"--strict", false, FOR_RUN},
     [OPT_JSON] = {"--json", true, FOR_RUN},
@@ -188,6 +192,15 @@ static sn_status set_time_limit(cli_options *o, const char *value, sn_error *err
     return st;
 }
 
+static sn_status set_renderer(cli_options *o, const char *value, sn_error *err)
+{
+    for (int i = 0; i < SN_RENDERER_COUNT; i++) {
+        o->renderer = (sn_renderer)i;
+        if (strcmp(sn_renderer_name(o->renderer), value) == 0) return SN_OK;
+    }
+    return sn_fail(err, SN_EINVAL, "option '--renderer' needs auto, osmesa or egl, found '%s'", value);
+}
+
 static sn_status apply(cli_options *o, enum option_id id, const char *value, sn_error *err)
 {
     switch (id) {
@@ -203,6 +216,8 @@ static sn_status apply(cli_options *o, enum option_id id, const char *value, sn_
         return add_output(o, value, err);
     case OPT_TIME_LIMIT:
         return set_time_limit(o, value, err);
+    case OPT_RENDERER:
+        return set_renderer(o, value, err);
     case OPT_THREADS:
     case OPT_MAX:
     case OPT_COUNT:

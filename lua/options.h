@@ -3,6 +3,7 @@
 #define CLI_OPTIONS_H
 
 #include "base/status.h"
+#include "render/context.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -25,6 +26,7 @@ typedef struct cli_options {
     int32_t max;       /* of compare, 0..255 */
     int64_t count;     /* of compare, >= 0   */
     int threads;       /* 0: one per core */
+    sn_renderer renderer;
     double time_limit; /* seconds, 0: none */
     bool has_repl;     /* -i */
     bool is_strict, is_quiet, is_verbose;

@@ -127,6 +127,7 @@ static int set_up(lua_State *L)
     lua_pop(L, 1);
     lsn_state *st = lsn_get_state(L);
     st->run.n_threads = o->threads;
+    st->renderer = o->renderer;
     st->run.cancel = cli_interrupt_flag();
     st->run.progress = cli_progress_report;
     st->warn = take_warning;
@@ -151,7 +152,7 @@ static void print_versions(const cli_options *o)
 {
     sn_context *c = NULL;
     sn_error err;
-    sn_status st = sn_context_create(&c, &err);
+    sn_status st = sn_context_create(&c, o->renderer, &err);
     int n = sn_run_threads(&(sn_run){.n_threads = o->threads});
     (void)fprintf(stderr, "sinew %s, %s, %d thread%s\n", SN_VERSION, LUA_RELEASE, n, n == 1 ? "" : "s");
     (void)fprintf(stderr, "renderer: %s\n", st ? err.msg : sn_context_renderer(c));

@@ -467,6 +467,7 @@ sn_status xt_cells_build(xt_cells *c, const sn_tet_mesh *m, const xt_grid *g, co
     bool out_of_memory = false, broken = false;
     memset(c, 0, sizeof *c);
     if (!b) return sn_fail(err, SN_ENOMEM, "extract: no memory");
+    sn_status st = sn_run_step(run, "cutting tets", 0.0, err);
 #pragma omp parallel num_threads(sn_run_threads(run)) reduction(|| : out_of_memory, broken)
     {
         worker w = {.mesh = m, .grid = g, .cuts = cuts, .first_inner = first_inner};
@@ -481,7 +482,7 @@ sn_status xt_cells_build(xt_cells *c, const sn_tet_mesh *m, const xt_grid *g, co
         broken = broken || w.broken;
         free_worker(&w);
     }
-    sn_status st = sn_run_step(run, "cutting tets", 1.0, err);
+    if (!st) st = sn_run_step(run, "cutting tets", 1.0, err);
     if (!st && out_of_memory) st = sn_fail(err, SN_ENOMEM, "extract: no memory");
     if (!st && broken) st = sn_fail(err, SN_EINTERNAL, "extract: a cell is not a simple polytope");
     if (!st) st = allocate(c, b, n_chunk, err);

@@ -341,7 +341,9 @@ sn_status xt_cuts_build(xt_cuts *c, const sn_tet_mesh *m, const xt_grid *g, cons
 {
     memset(c, 0, sizeof *c);
     sn_status st = collect_edges(c, m, g, err);
+    if (!st) st = sn_run_step(run, "cutting edges", -1.0, err);
     if (!st) st = cut_edges(c, g, err);
+    if (!st) st = sn_run_step(run, "cutting edges", -1.0, err);
     if (!st) st = collect_faces(c, m, g, err);
     if (!st) st = cut_faces(c, g, run, err);
     if (st) xt_cuts_free(c);

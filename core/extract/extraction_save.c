@@ -31,12 +31,15 @@ static sn_status save_part_surface(const sn_extraction *x, const int32_t *adj, i
     return st;
 }
 
-static sn_status save_folder(const sn_extraction *x, const char *path, sn_error *err)
+static sn_status save_folder(const sn_extraction *x, const char *path, const sn_run *run, sn_error *err)
 {
     int32_t *adj = NULL;
     sn_status st = sn_dir_create(path, err);
     if (!st) st = sn_tet_mesh_adjacency(&x->mesh, &adj, err);
-    for (int32_t i = 1; i < x->n_tissue && !st; i++) st = save_part_surface(x, adj, i, path, err);
+    for (int32_t i = 1; i < x->n_tissue && !st; i++) {
+        st = sn_run_step(run, "saving surfaces", (double)(i - 1) / (x->n_tissue - 1), err);
+        if (!st) st = save_part_surface(x, adj, i, path, err);
+    }
     sn_release(adj);
     return st;
 }
@@ -111,14 +114,15 @@ static void list_fields(sheet *s, const double *envelope)
 
 /* m: tets with parts, to be written and relabelled; the sheet is in their order. */
 static sn_status save_sheet(sheet *s, sn_tet_mesh *m, int32_t n_tissue, const double *envelope,
-                            const char *path, sn_error *err)
+                            const char *path, const sn_run *run, sn_error *err)
 {
     if (s->n_name > n_tissue) relabel_tendon(m, s, n_tissue);
     list_fields(s, envelope);
     sn_tet_extras extras = {.part_name = (const char *const *)s->name,
                             .n_part = s->n_name,
                             .field = s->field,
-                            .n_field = s->n_field};
+                            .n_field = s->n_field,
+                            .run = run};
     return sn_tet_mesh_save(m, &extras, path, err);
 }
 
@@ -156,7 +160,7 @@ static sn_status save_tets(const sn_extraction *x, const sn_tet_mesh *input, con
             st = sn_fail(err, SN_ENOMEM, "%s: no memory", path);
         }
     }
-    if (!st) st = save_sheet(&s, &m, x->n_tissue, x->envelope, path, err);
+    if (!st) st = save_sheet(&s, &m, x->n_tissue, x->envelope, path, run, err);
     sn_release(part);
     sheet_free(&s);
     return st;
@@ -167,7 +171,7 @@ sn_status sn_extraction_save(const sn_extraction *x, const sn_tet_mesh *input, c
 {
     char extension[16];
     sn_file_extension(path, extension);
-    return extension[0] == '\0' ? save_folder(x, path, err) : save_tets(x, input, path, run, err);
+    return extension[0] == '\0' ? save_folder(x, path, run, err) : save_tets(x, input, path, run, err);
 }
 
 /* ---- one tissue ---- */
@@ -213,7 +217,7 @@ static sn_status save_part_tets(const sn_extraction *x, const sn_tet_mesh *input
     if (!st) {
         keep_part(s.fiber, 3, x, tissue);
         keep_part(s.tendon, 1, x, tissue);
-        st = save_sheet(&s, &m, x->n_tissue, envelope, path, err);
+        st = save_sheet(&s, &m, x->n_tissue, envelope, path, run, err);
     }
     sn_release(envelope);
     sn_tet_mesh_free(&m);

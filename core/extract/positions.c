@@ -404,8 +404,11 @@ static sn_status place_with_raise(placer *p, int32_t largest, int sweeps, const 
 {
     double margin = p->margin;
     set_raise(p, largest);
+    sn_status st = sn_run_step(run, "placing corners", -1.0, err);
+    if (st) return st;
     place_first(p);
-    sn_status st = mend(p, true, BACK_SWEEPS, run, err);
+    st = sn_run_step(run, "placing corners", -1.0, err);
+    if (!st) st = mend(p, true, BACK_SWEEPS, run, err);
     for (int i = 0; i < NARROWER && st == SN_EINTERNAL; i++, p->margin *= 0.1) {
         place_first(p);
         st = mend(p, false, sweeps, run, err);
@@ -477,6 +480,7 @@ sn_status xt_place(sn_extraction *out, const sn_tet_mesh *m, const xt_grid *g, c
     size_t last = sizeof raises / sizeof *raises - 1;
     for (size_t i = 0; st == SN_EINTERNAL && i <= last; i++)
         st = place_with_raise(&p, raises[i], i < last ? FIRST_SWEEPS : SWEEPS, run, err);
+    if (!st) st = sn_run_step(run, "placing corners", 1.0, err);
     if (!st) count_moves(&p);
     if (!st) fill_envelope(&p, value);
     sn_release(p.weight);

@@ -40,7 +40,7 @@ static void write_field(sn_out *o, const sn_tet_mesh *m, const sn_tet_field *f)
     sn_out_text(o, "\n");
     sn_out_int(o, n_row);
     sn_out_text(o, "\n");
-    for (int32_t i = 0; i < n_row; i++) {
+    for (int32_t i = 0; i < n_row && !sn_out_failed(o); i++) {
         sn_out_int(o, (int64_t)i + 1);
         sn_out_text(o, " ");
         sn_out_doubles(o, f->values + (size_t)i * (size_t)f->n_comp,
@@ -57,7 +57,7 @@ sn_status sn_gmsh_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x,
     sn_out_text(o, "$Nodes\n");
     sn_out_int(o, m->n_vert);
     sn_out_text(o, "\n");
-    for (int32_t i = 0; i < m->n_vert; i++) {
+    for (int32_t i = 0; i < m->n_vert && !sn_out_failed(o); i++) {
         sn_out_int(o, (int64_t)i + 1);
         sn_out_text(o, " ");
         sn_out_doubles(o, m->pos + 3 * (size_t)i, 3);
@@ -65,7 +65,7 @@ sn_status sn_gmsh_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x,
     sn_out_text(o, "$EndNodes\n$Elements\n");
     sn_out_int(o, m->n_tet);
     sn_out_text(o, "\n");
-    for (int32_t t = 0; t < m->n_tet; t++) write_tet(o, m, t);
+    for (int32_t t = 0; t < m->n_tet && !sn_out_failed(o); t++) write_tet(o, m, t);
     sn_out_text(o, "$EndElements\n");
     for (int32_t i = 0; i < x->n_field; i++) write_field(o, m, &x->field[i]);
     return SN_OK;

@@ -161,7 +161,7 @@ static void write_borders(sn_out *o, const sn_tet_mesh *m, const int32_t *adj)
     int64_t n = 0;
     for (size_t h = 0; h < n_half; h++) n += is_border(m, adj, h);
     write_section(o, "Triangles\n", n);
-    for (size_t h = 0; h < n_half; h++) {
+    for (size_t h = 0; h < n_half && !sn_out_failed(o); h++) {
         if (!is_border(m, adj, h)) continue;
         const int32_t *t = m->tet + (h & ~(size_t)3);
         const int *c = sn_tet_face[h & 3];
@@ -179,13 +179,14 @@ sn_status sn_medit_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x
     write_names(o, x);
     sn_out_text(o, "Dimension 3\n");
     write_section(o, "Vertices\n", m->n_vert);
-    for (int32_t i = 0; i < m->n_vert; i++) {
+    for (int32_t i = 0; i < m->n_vert && !sn_out_failed(o); i++) {
         double row[4] = {m->pos[3 * (size_t)i], m->pos[3 * (size_t)i + 1], m->pos[3 * (size_t)i + 2], 0.0};
         sn_out_doubles(o, row, 4);
     }
     write_borders(o, m, adj);
     write_section(o, "Tetrahedra\n", m->n_tet);
-    for (int32_t t = 0; t < m->n_tet; t++) write_cell(o, m->tet + 4 * (size_t)t, 4, ref_of(m, t));
+    for (int32_t t = 0; t < m->n_tet && !sn_out_failed(o); t++)
+        write_cell(o, m->tet + 4 * (size_t)t, 4, ref_of(m, t));
     sn_out_text(o, "End\n");
     sn_release(adj);
     return SN_OK;

@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* ---- Scanner: text, or the bytes of a binary file. '\n', "\r\n" and '\r' end a line. ---- */
 
@@ -153,27 +154,59 @@ bool sn_name_is_plain(const char *name);
 /* Writes a line of numbers with blanks between them. */
 void sn_out_doubles(sn_out *o, const double *v, int n);
 
+static inline bool sn_host_is_big(void) /* most significant byte first */
+{
+    const uint16_t one = 1;
+    unsigned char first;
+    memcpy(&first, &one, 1);
+    return first == 0;
+}
+
+/* ---- VTK XML, read: one array, as doubles ---- */
+
+typedef struct sn_vtk_values {
+    double *v; /* n, by sn_alloc, the caller's also on error */
+    size_t n;
+    bool is_there;       /* the file has it                                       */
+    sn_number_type type; /* of one that is appended                               */
+    bool is_appended;    /* its data is at that offset behind the elements        */
+    size_t offset;
+} sn_vtk_values;
+
+typedef struct sn_vtk_layout { /* how a file holds its arrays */
+    sn_scan *s;                /* for messages; its p is where text is read        */
+    bool is_big, has_long_header;
+} sn_vtk_layout;
+
+/* The array that begins at `text`; is_whole: it is all of the text up to `end`. Errors: SN_EFORMAT,
+ * SN_ENOMEM. */
+SN_MUST_USE sn_status sn_vtk_read_base64(const sn_vtk_layout *f, const char *text, const char *end,
+                                         bool is_whole, sn_number_type type, sn_vtk_values *out,
+                                         sn_error *err);
+SN_MUST_USE sn_status sn_vtk_read_raw(const sn_vtk_layout *f, const char *data, const char *end,
+                                      sn_number_type type, sn_vtk_values *out, sn_error *err);
+SN_MUST_USE sn_status sn_vtk_read_text(const sn_vtk_layout *f, const char *end, sn_vtk_values *out,
+                                       sn_error *err);
+
 /* ---- VTK XML, written: .vtu and .vtp. Arrays are inline, base64 or text. ---- */
 
 typedef struct sn_vtk_out {
     sn_out *o; /* borrowed */
     bool ascii;
-    unsigned char *buffer; /* the bytes of one array behind their length, which is 8 bytes long */
-    size_t cap, size;
-    bool is_short; /* of memory: told by sn_vtk_end */
+    unsigned char chunk[3 << 10]; /* bytes of the array that wait to be encoded: whole groups of 3 */
+    size_t n_chunk;
 } sn_vtk_out;
 
 /* The head of a file of that type ("PolyData"), up to and with the opening tag of that name. */
 void sn_vtk_begin(sn_vtk_out *w, sn_out *o, const char *type, bool ascii);
-/* Closes both tags and releases what *w holds; call it in any case. Errors: SN_ENOMEM. */
-SN_MUST_USE sn_status sn_vtk_end(sn_vtk_out *w, const char *type, sn_error *err);
+void sn_vtk_end(sn_vtk_out *w, const char *type); /* closes both tags */
 /* The FieldData with the string array "tissue_names"; nothing when n_part = 0. */
 void sn_vtk_part_names(sn_vtk_out *w, const char *const *part_name, int32_t n_part);
 /* One array in one go: a row of n_comp numbers each. */
 void sn_vtk_doubles(sn_vtk_out *w, const char *name, const double *v, size_t n_row, int n_comp);
 void sn_vtk_i32(sn_vtk_out *w, const char *name, const int32_t *v, size_t n_row);
-/* One array number by number: open, put each, close. type: SN_U8, SN_I32 or SN_I64. */
-void sn_vtk_open(sn_vtk_out *w, sn_number_type type, const char *name, int n_comp);
+/* One array number by number: open, put each of n_value, close. type: SN_U8, SN_I32 or SN_I64. */
+void sn_vtk_open(sn_vtk_out *w, sn_number_type type, const char *name, int n_comp, size_t n_value);
 void sn_vtk_put(sn_vtk_out *w, sn_number_type type, int64_t v, bool ends_line);
 void sn_vtk_close(sn_vtk_out *w);
 

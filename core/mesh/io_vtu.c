@@ -16,20 +16,14 @@ typedef struct tag {
     bool closes, is_empty;  /* </name>, <name/> */
 } tag;
 
-typedef struct values { /* an array of the file, as doubles */
-    double *v;
-    size_t n;
-    bool is_there;
-} values;
-
 typedef struct vtu {
     sn_scan *s;
     const char *type;  /* of the file: "UnstructuredGrid" */
     const char *cells; /* the element that holds the cells: "Cells" */
-    bool is_big, has_long_header, is_compressed;
-    bool in_piece;
+    sn_vtk_layout layout;
+    bool is_compressed, in_piece;
     sn_word section; /* the element that holds the arrays: Points, Cells, CellData, ... */
-    values point, corner, offset, kind, part;
+    sn_vtk_values point, corner, offset, kind, part;
 } vtu;
 
 /* Steps over what begins with `open` and ends with `close`; false when it is not there. */
@@ -103,78 +97,8 @@ static sn_number_type find_type(sn_word w)
     return SN_NO_NUMBER;
 }
 
-static int base64_digit(char c)
-{
-    if (c >= 'A' && c <= 'Z') return c - 'A';
-    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-    if (c >= '0' && c <= '9') return c - '0' + 52;
-    return c == '+' ? 62 : c == '/' ? 63 : -1;
-}
-
-/* Decodes in place of out (room for 3/4 of the text). Padding inside the text is fine: some writers encode
- * the header and the data one after the other. Returns the number of bytes; stops at what is no base64. */
-static size_t decode_base64(const char *p, const char *end, unsigned char *out)
-{
-    size_t n = 0;
-    uint32_t bits = 0;
-    int n_bits = 0;
-    for (; p < end; p++) {
-        int d = base64_digit(*p);
-        if (*p == '=') n_bits = 0; /* the rest of the group is padding */
-        if (d < 0 && *p != '=' && *p != ' ' && *p != '\n' && *p != '\r' && *p != '\t') break;
-        if (d < 0) continue;
-        bits = bits << 6 | (uint32_t)d;
-        n_bits += 6;
-        if (n_bits >= 8) out[n++] = (unsigned char)(bits >> (n_bits -= 8) & 0xFF);
-    }
-    return n;
-}
-
-static sn_status no_memory(const vtu *r, sn_error *err)
-{
-    return sn_fail(err, SN_ENOMEM, "%s: no memory to read it", r->s->path);
-}
-
-/* The text of the array is s->p to `end`. */
-static sn_status read_base64(vtu *r, const char *end, sn_number_type type, values *out, sn_error *err)
-{
-    sn_scan *s = r->s;
-    size_t head = r->has_long_header ? 8 : 4;
-    unsigned char *raw = SN_NEW(unsigned char, (size_t)(end - s->p) / 4 * 3 + 3);
-    if (!raw) return no_memory(r, err);
-    size_t n = decode_base64(s->p, end, raw);
-    double said = n >= head ? sn_number_decode(raw, r->has_long_header ? SN_U64 : SN_U32, r->is_big) : 0.0;
-    sn_status st = SN_OK;
-    if (n < head || said != (double)(n - head)) {
-        st = sn_scan_fail(s, err, "the array is damaged: it promises %.0f bytes and has %zu", said,
-                          n < head ? 0 : n - head);
-    } else {
-        out->n = (n - head) / sn_number_size(type);
-        out->v = SN_NEW(double, out->n);
-        if (!out->v) st = no_memory(r, err);
-        for (size_t i = 0; i < out->n && !st; i++)
-            out->v[i] = sn_number_decode(raw + head + i * sn_number_size(type), type, r->is_big);
-    }
-    sn_release(raw);
-    return st;
-}
-
-static sn_status read_text(vtu *r, const char *end, values *out, sn_error *err)
-{
-    sn_scan text = *r->s;
-    text.end = end;
-    size_t cap = 0;
-    while (sn_scan_more(&text)) {
-        if (!sn_grow(&out->v, &cap, out->n + 1, sizeof *out->v)) return no_memory(r, err);
-        sn_status st = sn_scan_number(&text, &out->v[out->n], "a number", err);
-        if (st) return st;
-        out->n++;
-    }
-    return SN_OK;
-}
-
 /* The array that a DataArray fills, or NULL when nobody needs it. */
-static values *find_target(vtu *r, const tag *t)
+static sn_vtk_values *find_target(vtu *r, const tag *t)
 {
     sn_word name = attribute(t, "Name");
     if (sn_word_is(r->section, "Points")) return &r->point;
@@ -187,25 +111,70 @@ static values *find_target(vtu *r, const tag *t)
     return is_part && sn_word_is(r->section, "CellData") ? &r->part : NULL;
 }
 
+static sn_status note_appended(vtu *r, const tag *t, sn_number_type type, sn_vtk_values *out, sn_error *err)
+{
+    sn_word at = attribute(t, "offset");
+    sn_scan s = *r->s;
+    int64_t offset = -1;
+    s.p = at.s;
+    if (at.n == 0 || !sn_scan_digits(&s, &offset) || s.p != at.s + at.n || offset < 0)
+        return sn_scan_fail(r->s, err, "an appended array needs an offset");
+    out->is_appended = true;
+    out->offset = (size_t)offset;
+    out->type = type;
+    return SN_OK;
+}
+
 static sn_status read_array(vtu *r, const tag *t, sn_error *err)
 {
-    values *out = find_target(r, t);
+    sn_vtk_values *out = find_target(r, t);
     if (!out) return SN_OK;
     sn_word format = attribute(t, "format");
     sn_number_type type = find_type(attribute(t, "type"));
-    if (sn_word_is(format, "appended"))
-        return sn_scan_fail(r->s, err, "appended data is not read: write it inline, as binary or ascii");
     if (r->is_compressed && !(format.n == 0 || sn_word_is(format, "ascii")))
         return sn_scan_fail(r->s, err, "compressed data is not read: write the file without a compressor");
     if (type == SN_NO_NUMBER) return sn_scan_fail(r->s, err, "an array needs a type, Int8 to Float64");
     sn_release(out->v);
-    *out = (values){.is_there = true};
+    *out = (sn_vtk_values){.is_there = true};
+    if (sn_word_is(format, "appended")) return note_appended(r, t, type, out, err);
     const char *end = r->s->p < r->s->end ? memchr(r->s->p, '<', sn_scan_left(r->s)) : NULL;
     if (t->is_empty) return SN_OK;
     if (!end) return sn_scan_fail(r->s, err, "truncated: an array without an end");
-    if (sn_word_is(format, "binary")) return read_base64(r, end, type, out, err);
-    if (format.n == 0 || sn_word_is(format, "ascii")) return read_text(r, end, out, err);
-    return sn_scan_fail(r->s, err, "an array needs the format binary or ascii");
+    if (sn_word_is(format, "binary"))
+        return sn_vtk_read_base64(&r->layout, r->s->p, end, true, type, out, err);
+    if (format.n == 0 || sn_word_is(format, "ascii")) return sn_vtk_read_text(&r->layout, end, out, err);
+    return sn_scan_fail(r->s, err, "an array needs the format binary, ascii or appended");
+}
+
+/* The data behind the elements begins after an underscore. It is the last that is read of the file. */
+static sn_status read_appended(vtu *r, const tag *t, sn_error *err)
+{
+    sn_vtk_values *all[] = {&r->point, &r->corner, &r->offset, &r->kind, &r->part};
+    sn_word encoding = attribute(t, "encoding");
+    bool is_raw = sn_word_is(encoding, "raw");
+    if (!is_raw && !sn_word_is(encoding, "base64"))
+        return sn_scan_fail(r->s, err, "appended data needs the encoding raw or base64");
+    if (!sn_scan_more(r->s) || *r->s->p != '_')
+        return sn_scan_fail(r->s, err, "appended data needs to start with '_'");
+    const char *data = r->s->p + 1, *end = r->s->end;
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        if (!all[i]->is_appended) continue;
+        if (all[i]->offset > (size_t)(end - data))
+            return sn_scan_fail(r->s, err, "truncated: an array at offset %zu, the data ends at %zu",
+                                all[i]->offset, (size_t)(end - data));
+        const char *at = data + all[i]->offset;
+        sn_status st = is_raw ? sn_vtk_read_raw(&r->layout, at, end, all[i]->type, all[i], err)
+                              : sn_vtk_read_base64(&r->layout, at, end, false, all[i]->type, all[i], err);
+        if (st) return st;
+        all[i]->is_appended = false;
+    }
+    return SN_OK;
+}
+
+static bool any_appended(const vtu *r)
+{
+    return r->point.is_appended || r->corner.is_appended || r->offset.is_appended || r->kind.is_appended ||
+           r->part.is_appended;
 }
 
 static sn_status read_root(vtu *r, const tag *t, sn_error *err)
@@ -213,8 +182,8 @@ static sn_status read_root(vtu *r, const tag *t, sn_error *err)
     if (!sn_word_is(attribute(t, "type"), r->type))
         return sn_scan_fail(r->s, err, "need a VTKFile of type %s", r->type);
     r->is_compressed = attribute(t, "compressor").n > 0; /* said also where all arrays are text */
-    r->is_big = sn_word_is(attribute(t, "byte_order"), "BigEndian");
-    r->has_long_header = sn_word_is(attribute(t, "header_type"), "UInt64");
+    r->layout.is_big = sn_word_is(attribute(t, "byte_order"), "BigEndian");
+    r->layout.has_long_header = sn_word_is(attribute(t, "header_type"), "UInt64");
     return SN_OK;
 }
 
@@ -251,11 +220,12 @@ static sn_status read_tags(vtu *r, sn_error *err)
         if (st) return st;
         if (!is_there) break;
         if (t.closes) {
-            if (sn_word_is(t.name, "VTKFile")) return SN_OK;
-            continue;
+            if (!sn_word_is(t.name, "VTKFile")) continue;
+            return any_appended(r) ? sn_scan_fail(r->s, err, "no AppendedData for an appended array") : SN_OK;
         }
         if (!has_root && !sn_word_is(t.name, "VTKFile")) break;
         has_root = true;
+        if (sn_word_is(t.name, "AppendedData")) return read_appended(r, &t, err);
         st = read_tag(r, &t, err);
         if (st) return st;
     }
@@ -360,7 +330,7 @@ static void vtu_free(vtu *r)
 
 sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err)
 {
-    vtu r = {.s = s, .type = "UnstructuredGrid", .cells = "Cells"};
+    vtu r = {.s = s, .layout = {.s = s}, .type = "UnstructuredGrid", .cells = "Cells"};
     sn_status st = read_tags(&r, err);
     if (!st) st = check_arrays(&r, err);
     if (!st) st = add_points(&r, b, err);
@@ -371,7 +341,7 @@ sn_status sn_vtu_read(sn_builder *b, sn_scan *s, sn_error *err)
 
 sn_status sn_vtp_read(sn_builder *b, sn_scan *s, sn_error *err)
 {
-    vtu r = {.s = s, .type = "PolyData", .cells = "Polys"};
+    vtu r = {.s = s, .layout = {.s = s}, .type = "PolyData", .cells = "Polys"};
     sn_status st = read_tags(&r, err);
     if (!st) st = check_cells(&r, err);
     if (!st) st = add_points(&r, b, err);
@@ -389,8 +359,8 @@ static void write_field(sn_vtk_out *w, const sn_tet_field *f, size_t n_row)
         return;
     }
     size_t n_comp = (size_t)f->n_comp;
-    sn_vtk_open(w, SN_I32, f->name, f->n_comp);
-    for (size_t k = 0; k < n_row * n_comp; k++)
+    sn_vtk_open(w, SN_I32, f->name, f->n_comp, n_row * n_comp);
+    for (size_t k = 0; k < n_row * n_comp && !sn_out_failed(w->o); k++)
         sn_vtk_put(w, SN_I32, (int64_t)f->values[k], k % n_comp == n_comp - 1);
     sn_vtk_close(w);
 }
@@ -408,13 +378,14 @@ static void write_fields(sn_vtk_out *w, const sn_tet_mesh *m, const sn_tet_extra
 static void write_cells(sn_vtk_out *w, const sn_tet_mesh *m)
 {
     sn_out_text(w->o, "<Cells>\n");
-    sn_vtk_open(w, SN_I64, "connectivity", 1);
-    for (size_t k = 0; k < 4 * (size_t)m->n_tet; k++) sn_vtk_put(w, SN_I64, m->tet[k], k % 4 == 3);
+    size_t n = (size_t)m->n_tet;
+    sn_vtk_open(w, SN_I64, "connectivity", 1, 4 * n);
+    for (size_t k = 0; k < 4 * n && !sn_out_failed(w->o); k++) sn_vtk_put(w, SN_I64, m->tet[k], k % 4 == 3);
     sn_vtk_close(w);
-    sn_vtk_open(w, SN_I64, "offsets", 1);
-    for (int64_t t = 0; t < m->n_tet; t++) sn_vtk_put(w, SN_I64, 4 * (t + 1), true);
+    sn_vtk_open(w, SN_I64, "offsets", 1, n);
+    for (int64_t t = 0; t < m->n_tet && !sn_out_failed(w->o); t++) sn_vtk_put(w, SN_I64, 4 * (t + 1), true);
     sn_vtk_close(w);
-    sn_vtk_open(w, SN_U8, "types", 1);
+    sn_vtk_open(w, SN_U8, "types", 1, n);
     for (int32_t t = 0; t < m->n_tet; t++) sn_vtk_put(w, SN_U8, VTK_TETRA, true);
     sn_vtk_close(w);
     sn_out_text(w->o, "</Cells>\n");
@@ -422,6 +393,7 @@ static void write_cells(sn_vtk_out *w, const sn_tet_mesh *m)
 
 sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, sn_error *err)
 {
+    (void)err;
     sn_vtk_out w;
     sn_vtk_begin(&w, o, "UnstructuredGrid", x->ascii);
     sn_vtk_part_names(&w, x->part_name, x->n_part);
@@ -437,5 +409,6 @@ sn_status sn_vtu_write(sn_out *o, const sn_tet_mesh *m, const sn_tet_extras *x, 
     sn_out_text(o, "</Points>\n");
     write_cells(&w, m);
     sn_out_text(o, "</Piece>\n");
-    return sn_vtk_end(&w, "UnstructuredGrid", err);
+    sn_vtk_end(&w, "UnstructuredGrid");
+    return SN_OK;
 }

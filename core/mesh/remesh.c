@@ -42,10 +42,12 @@ typedef struct remesher {
     sn_remesh_report report;
 } remesher;
 
-static double target_of(const remesher *r, int32_t label)
+static double target_of(const remesher *r, int32_t label, sn_vec3 p)
 {
     const sn_remesh *o = r->opt;
-    return o->label_length && label >= 0 && label < o->n_label ? o->label_length[label] : o->edge_length;
+    double own =
+        o->label_length && label >= 0 && label < o->n_label ? o->label_length[label] : o->edge_length;
+    return o->sizing ? fmin(fmax(sn_sizing_at(o->sizing, p), own), o->coarsest * own) : own;
 }
 
 static double least_target(const sn_remesh *o)
@@ -57,7 +59,9 @@ static double least_target(const sn_remesh *o)
 
 static double edge_target(const remesher *r, int32_t h)
 {
-    return fmin(target_of(r, r->mesh.label[h / 3]), target_of(r, r->mesh.label[r->mesh.twin[h] / 3]));
+    const rm_mesh *m = &r->mesh;
+    sn_vec3 p = sn_v3_lerp(m->pos[m->vert[h]], m->pos[m->vert[rm_next(h)]], 0.5);
+    return fmin(target_of(r, m->label[h / 3], p), target_of(r, m->label[m->twin[h] / 3], p));
 }
 
 static double edge_len(const rm_mesh *m, int32_t h)
@@ -78,6 +82,11 @@ static triangle triangle_at(const rm_mesh *m, int32_t t)
 static sn_vec3 normal(const triangle *t)
 {
     return sn_v3_cross(sn_v3_sub(t->p[1], t->p[0]), sn_v3_sub(t->p[2], t->p[0]));
+}
+
+static sn_vec3 centre(const triangle *t)
+{
+    return sn_v3_scale(1.0 / 3.0, sn_v3_add(sn_v3_add(t->p[0], t->p[1]), t->p[2]));
 }
 
 static double longest2(const triangle *t)
@@ -122,8 +131,8 @@ static bool leaves_input(const remesher *r, const patch *p)
 {
     for (int i = 0; i < p->n_new; i++) {
         const triangle *t = &p->tri[i];
-        double limit = r->deviation * target_of(r, t->label);
-        sn_vec3 c = sn_v3_scale(1.0 / 3.0, sn_v3_add(sn_v3_add(t->p[0], t->p[1]), t->p[2]));
+        sn_vec3 c = centre(t);
+        double limit = r->deviation * target_of(r, t->label, c);
         if (distance_to_input(r, c, t->label) > limit) return true;
     }
     return false;
@@ -261,7 +270,7 @@ static bool collapse_keeps_shape(const remesher *r, int32_t h, const patch *p, b
         if (p->old[i] == h / 3 || p->old[i] == m->twin[h] / 3) continue;
         triangle was = triangle_at(m, p->old[i]);
         const triangle *now = &p->tri[n++];
-        double limit = SPLIT_ABOVE * target_of(r, now->label), old_shape = shape(&was),
+        double limit = SPLIT_ABOVE * target_of(r, now->label, centre(now)), old_shape = shape(&was),
                new_shape = shape(now);
         if (!tiny && longest2(now) > limit * limit) return false;
         if (old_shape > 0.05) {
@@ -391,8 +400,7 @@ static sn_vec3 smooth_target(const remesher *r, int32_t v)
         triangle t = triangle_at(m, i / 3);
         sn_vec3 a = normal(&t);
         double w = sn_v3_len(a);
-        sn_vec3 c = sn_v3_scale(1.0 / 3.0, sn_v3_add(sn_v3_add(t.p[0], t.p[1]), t.p[2]));
-        sum = sn_v3_mad(sum, w, c);
+        sum = sn_v3_mad(sum, w, centre(&t));
         n = sn_v3_add(n, a);
         weight += w;
         i = rm_spin(m, i);
@@ -533,7 +541,7 @@ static sn_status restore_volume(remesher *r, const patch_size *want, int32_t n_l
             sn_vec3 n;
             if (m->out[v] < 0 || !patch_normal(m, v, &n)) continue;
             int32_t label = m->label[m->out[v] / 3];
-            double most = r->deviation * target_of(r, label);
+            double most = r->deviation * target_of(r, label, m->pos[v]);
             double d =
                 now[label].area > 0.0 ? (want[label].volume - now[label].volume) / now[label].area : 0.0;
             d = fmax(-most, fmin(most, d));
@@ -554,6 +562,8 @@ static sn_status check_options(const sn_remesh *o, sn_error *err)
         if (!(o->label_length[i] > 0.0 && isfinite(o->label_length[i])))
             return sn_fail(err, SN_EINVAL, "remesh: edge length of label %d is %g, need > 0", i,
                            o->label_length[i]);
+    if (o->sizing && !(o->coarsest >= 1.0))
+        return sn_fail(err, SN_EINVAL, "remesh: coarsest is %g, need >= 1", o->coarsest);
     if (o->iterations < 0 || !(o->max_deviation >= 0.0))
         return sn_fail(err, SN_EINVAL, "remesh: iterations and max_deviation must not be negative");
     return SN_OK;

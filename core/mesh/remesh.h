@@ -8,13 +8,16 @@
 #define SN_MESH_REMESH_H
 
 #include "base/run.h"
+#include "mesh/sizing.h"
 #include "mesh/tri_mesh.h"
 
 typedef struct sn_remesh {
     double edge_length;         /* target, > 0; for labels without their own            */
     const double *label_length; /* n_label targets by face label, or NULL                */
     int32_t n_label;
-    int iterations;       /* 0: the default of 6                                   */
+    const sn_sizing *sizing; /* NULL: none. Else targets are this where it is longer, borrowed             */
+    double coarsest;         /* with sizing: no target gets longer than this times its own; >= 1           */
+    int iterations;          /* 0: the default of 6                                   */
     double max_deviation; /* how far faces may leave the input, as a fraction of the target length; 0: 0.08 */
 } sn_remesh;
 

@@ -118,6 +118,22 @@ static sn_status check_extras(const sn_tet_mesh *m, const sn_tet_extras *x, sn_e
     return SN_OK;
 }
 
+/* Bytes of the file, about: for the progress. */
+static double expect_size(const sn_tet_mesh *m, const sn_tet_extras *x, const char *ext)
+{
+    double n_vert = m->n_vert, n_tet = m->n_tet;
+    if (strcmp(ext, "mesh") == 0) return 45.0 * n_vert + 26.0 * n_tet;
+    bool is_binary = strcmp(ext, "vtu") == 0 && !x->ascii;
+    double sum = is_binary ? 24.0 * n_vert + 45.0 * n_tet : 58.0 * n_vert + 35.0 * n_tet;
+    for (int32_t i = 0; i < x->n_field; i++) {
+        const sn_tet_field *f = &x->field[i];
+        double of_binary = f->is_int ? 4.0 : 8.0, of_text = f->is_int ? 2.0 : 19.0;
+        double row = is_binary ? of_binary * f->n_comp : 8.0 + of_text * f->n_comp;
+        sum += row * (f->per_tet ? n_tet : n_vert);
+    }
+    return is_binary ? sum * 4.0 / 3.0 : sum;
+}
+
 sn_status sn_tet_mesh_save(const sn_tet_mesh *m, const sn_tet_extras *x, const char *path, sn_error *err)
 {
     static const sn_tet_extras nothing;
@@ -133,6 +149,7 @@ sn_status sn_tet_mesh_save(const sn_tet_mesh *m, const sn_tet_extras *x, const c
     sn_out *o = NULL;
     st = sn_out_open(&o, path, err);
     if (st) return st;
+    sn_out_watch(o, x->run, "saving tets", expect_size(m, x, ext));
     st = f->write(o, m, x, err);
     if (!st) return sn_out_commit(o, err);
     sn_out_abort(o);

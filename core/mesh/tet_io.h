@@ -16,6 +16,7 @@
 #ifndef SN_MESH_TET_IO_H
 #define SN_MESH_TET_IO_H
 
+#include "base/run.h"
 #include "mesh/tet_mesh.h"
 
 #include <stdbool.h>
@@ -34,23 +35,26 @@ typedef struct sn_tet_extras { /* zero-initialised = nothing */
     int32_t n_part; /* 0: no names are written, any part id will do          */
     const sn_tet_field *field;
     int32_t n_field;
-    bool ascii; /* .vtu only */
+    bool ascii;        /* .vtu only */
+    const sn_run *run; /* progress, and what stops the writing; NULL: nothing. Borrowed */
 } sn_tet_extras;
 
 /* x: NULL for nothing. Fields are checked for every format, also for one that leaves them out. Flat tets are
  * written as they are.
  * Errors: SN_EIO; SN_EINVAL (unknown extension, no tets, index out of range, part id < 0 or >= n_part, a
  * coordinate or field value that is not finite, a value of an is_int field that is no 32-bit integer, a name
- * or n_comp that cannot be, two fields of one name, and for .mesh a face of three tets); SN_ENOMEM. */
+ * or n_comp that cannot be, two fields of one name, and for .mesh a face of three tets); SN_ENOMEM;
+ * SN_ECANCEL, SN_ELIMIT (then nothing is left). */
 SN_MUST_USE sn_status sn_tet_mesh_save(const sn_tet_mesh *m, const sn_tet_extras *x, const char *path,
                                        sn_error *err);
 
-/* .mesh (MEDIT ASCII), .vtu (ASCII or inline base64, uncompressed, one piece; any number type; tets only),
- * .node + .ele (TetGen text; either path; 0- or 1-based; of ten-node tets the corners).
- * Parts: MEDIT's ref - 1 (in a file that has a ref 0 among others: ref; all 0: none), "tissue" before
- * "MaterialId", or the first region attribute as it is. They are dropped (part = NULL) unless each is a whole
- * number from 0 on. Tets written inside out are turned; flat ones are an error. out: init-ed; empty on error.
- * Errors: SN_EIO, SN_EFORMAT (with line or what is missing), SN_EINVAL (unknown extension), SN_ENOMEM. */
+/* .mesh (MEDIT ASCII), .vtu (ASCII, inline base64, or appended, raw or base64; uncompressed, one piece; any
+ * number type; tets only), .node + .ele (TetGen text; either path; 0- or 1-based; of ten-node tets the
+ * corners). Parts: MEDIT's ref - 1 (in a file that has a ref 0 among others: ref; all 0: none), "tissue"
+ * before "MaterialId", or the first region attribute as it is. They are dropped (part = NULL) unless each is
+ * a whole number from 0 on. Tets written inside out are turned; flat ones are an error. out: init-ed; empty
+ * on error. Errors: SN_EIO, SN_EFORMAT (with line or what is missing), SN_EINVAL (unknown extension),
+ * SN_ENOMEM. */
 SN_MUST_USE sn_status sn_tet_mesh_load(sn_tet_mesh *out, const char *path, sn_error *err);
 
 #endif

@@ -139,40 +139,47 @@ sn_status sn_tri_mesh_mirror(sn_tri_mesh *m, sn_vec3 point, sn_vec3 normal, sn_e
     return SN_OK;
 }
 
-typedef struct weld_key {
-    uint64_t x[3];
-    int32_t i;
-} weld_key;
-
-static int weld_less(const void *a, const void *b)
+static uint64_t hash_point(const double *p)
 {
-    const weld_key *p = a, *q = b;
-    for (int k = 0; k < 3; k++)
-        if (p->x[k] != q->x[k]) return p->x[k] < q->x[k] ? -1 : 1;
-    return (p->i > q->i) - (p->i < q->i);
+    uint64_t h = 0;
+    for (int k = 0; k < 3; k++) {
+        double x = p[k] + 0.0; /* -0 -> 0 */
+        uint64_t bits;
+        memcpy(&bits, &x, sizeof bits);
+        h = (h ^ bits) * 0x9e3779b97f4a7c15u;
+        h ^= h >> 29;
+    }
+    return h * 0xbf58476d1ce4e5b9u >> 20;
+}
+
+/* to[i]: the first vertex at the place of i. The result does not depend on the hash. false: no memory. */
+static bool find_first_equal(const sn_tri_mesh *m, int32_t *to)
+{
+    size_t n_slot = 16;
+    while (n_slot < 2 * (size_t)m->n_vert) n_slot *= 2;
+    int32_t *slot = SN_NEW(int32_t, n_slot);
+    if (!slot) return false;
+    memset(slot, 0xff, n_slot * sizeof *slot); /* -1: free */
+    for (int32_t i = 0; i < m->n_vert; i++) {
+        const double *p = m->pos + 3 * (size_t)i;
+        size_t at = hash_point(p) & (n_slot - 1);
+        for (; slot[at] >= 0; at = (at + 1) & (n_slot - 1)) {
+            const double *q = m->pos + 3 * (size_t)slot[at];
+            if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) break;
+        }
+        if (slot[at] < 0) slot[at] = i;
+        to[i] = slot[at];
+    }
+    sn_release(slot);
+    return true;
 }
 
 sn_status sn_tri_mesh_weld(sn_tri_mesh *m, int32_t *n_joined, sn_error *err)
 {
-    weld_key *key = SN_NEW(weld_key, m->n_vert);
     int32_t *to = SN_NEW(int32_t, m->n_vert);
-    if (!key || !to) {
-        sn_release(key);
+    if (!to || !find_first_equal(m, to)) {
         sn_release(to);
         return sn_fail(err, SN_ENOMEM, "weld: no memory for %d vertices", m->n_vert);
-    }
-    for (int32_t i = 0; i < m->n_vert; i++) {
-        for (int k = 0; k < 3; k++) {
-            double x = m->pos[3 * (size_t)i + (size_t)k] + 0.0; /* -0 -> 0 */
-            memcpy(&key[i].x[k], &x, sizeof x);
-        }
-        key[i].i = i;
-    }
-    sn_sort(key, (size_t)m->n_vert, sizeof *key, weld_less);
-    int32_t first = 0;
-    for (int32_t i = 0; i < m->n_vert; i++) {
-        if (i == 0 || memcmp(key[i].x, key[i - 1].x, sizeof key[i].x) != 0) first = key[i].i;
-        to[key[i].i] = first; /* equal keys are in index order: first is the smallest */
     }
     int32_t n = 0;
     for (int32_t i = 0; i < m->n_vert; i++) {
@@ -186,7 +193,6 @@ sn_status sn_tri_mesh_weld(sn_tri_mesh *m, int32_t *n_joined, sn_error *err)
     for (size_t k = 0; k < 3 * (size_t)m->n_face; k++) m->face[k] = to[m->face[k]];
     if (n_joined) *n_joined = m->n_vert - n;
     m->n_vert = n;
-    sn_release(key);
     sn_release(to);
     return SN_OK;
 }

@@ -1,21 +1,17 @@
-/* context_osmesa.c - the OSMesa back end (Mesa's software rasterisers). The only file that sees OSMesa:
- * Mesa 25.1 dropped it, so another back end would stand beside this file. llvmpipe takes its thread count
- * from LP_NUM_THREADS. */
-#include "render/context.h"
+/* context_osmesa.c - the OSMesa back end (Mesa's software rasterisers). The only file that sees OSMesa, which
+ * Mesa 25.1 dropped. llvmpipe takes its thread count from LP_NUM_THREADS. */
+#include "render/context_driver.h"
 
 #include "base/alloc.h"
 
 #include <GL/osmesa.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { surface_side = 16 }; /* the default framebuffer is never drawn to */
 
-struct sn_context {
-    OSMesaContext mesa;
-    char renderer[160];
+typedef struct osmesa {
+    OSMesaContext context;
     unsigned char surface[4 * surface_side * surface_side];
-};
+} osmesa;
 
 /* Asks for the newest version first: an implementation may give no more than was asked for. */
 static OSMesaContext create_core(void)
@@ -40,54 +36,36 @@ static OSMesaContext create_core(void)
     return NULL;
 }
 
-typedef const GLubyte *(*get_string_fn)(GLenum);
-
-/* A function address, read through a union: ISO C has no cast between the two kinds of pointer. */
-static const char *gl_string(GLenum name)
+static sn_status create(void **out, bool wants_hardware, sn_error *err)
 {
-    union {
-        void *object;
-        get_string_fn call;
-    } get = {sn_context_proc("glGetString")};
-    const GLubyte *s = get.object ? get.call(name) : NULL;
-    return s ? (const char *)s : "unknown";
-}
-
-sn_status sn_context_create(sn_context **out, sn_error *err)
-{
-    *out = NULL;
-    sn_context *c = SN_NEW_ZERO(sn_context, 1);
+    (void)wants_hardware; /* nobody asks OSMesa for it */
+    osmesa *c = SN_NEW_ZERO(osmesa, 1);
     if (!c) return sn_fail(err, SN_ENOMEM, "OpenGL: no memory for a context");
-    c->mesa = create_core();
-    if (!c->mesa) {
+    c->context = create_core();
+    if (!c->context) {
         sn_release(c);
         return sn_fail(err, SN_ERENDER,
                        "OpenGL: OSMesa gave no context, need a core profile of version 3.3 or later");
     }
-    sn_status st = sn_context_make_current(c, err);
-    if (st) {
-        sn_context_destroy(c);
-        return st;
-    }
-    (void)snprintf(c->renderer, sizeof c->renderer, "%s, OpenGL %s", gl_string(GL_RENDERER),
-                   gl_string(GL_VERSION));
     *out = c;
     return SN_OK;
 }
 
-sn_status sn_context_make_current(sn_context *c, sn_error *err)
+static bool make_current(void *object)
 {
-    if (OSMesaMakeCurrent(c->mesa, c->surface, GL_UNSIGNED_BYTE, surface_side, surface_side)) return SN_OK;
-    return sn_fail(err, SN_ERENDER, "OpenGL: OSMesa cannot make its context current");
+    osmesa *c = object;
+    return OSMesaMakeCurrent(c->context, c->surface, GL_UNSIGNED_BYTE, surface_side, surface_side);
 }
 
-const char *sn_context_renderer(const sn_context *c)
+static void release(void *object)
 {
-    return c->renderer;
+    osmesa *c = object;
+    if (OSMesaGetCurrentContext() == c->context) (void)OSMesaMakeCurrent(NULL, NULL, 0, 0, 0);
 }
 
-void *sn_context_proc(const char *name)
+static void *proc(const void *object, const char *name)
 {
+    (void)object;
     union {
         OSMESAproc call;
         void *object;
@@ -95,10 +73,12 @@ void *sn_context_proc(const char *name)
     return p.object;
 }
 
-void sn_context_destroy(sn_context *c)
+static void destroy(void *object)
 {
-    if (!c) return;
-    if (OSMesaGetCurrentContext() == c->mesa) (void)OSMesaMakeCurrent(NULL, NULL, 0, 0, 0);
-    OSMesaDestroyContext(c->mesa);
+    osmesa *c = object;
+    release(c);
+    OSMesaDestroyContext(c->context);
     sn_release(c);
 }
+
+const sn_context_driver sn_context_osmesa = {"", create, make_current, release, proc, destroy};

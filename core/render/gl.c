@@ -1,18 +1,16 @@
 #include "render/gl.h"
 
-#include "render/context.h"
-
 #include <stdint.h>
 #include <string.h>
 
-sn_status sn_gl_load(sn_gl *gl, sn_error *err)
+sn_status sn_gl_load(sn_gl *gl, const sn_context *c, sn_error *err)
 {
     memset(gl, 0, sizeof *gl);
     void *p;
 /* ISO C has no cast from a data pointer to a function pointer; copying the bits is what POSIX promises to
  * work. */
 #define LOAD(UPPER, Name)                                                                                    \
-    p = sn_context_proc("gl" #Name);                                                                         \
+    p = sn_context_proc(c, "gl" #Name);                                                                      \
     if (!p) return sn_fail(err, SN_ERENDER, "OpenGL: function gl" #Name " is missing, need version 3.3");    \
     memcpy(&gl->Name, &p, sizeof p);
     SN_GL_FUNCTIONS(LOAD)
@@ -74,28 +72,75 @@ GLuint sn_gl_buffer(const sn_gl *gl, GLenum target, const void *data, size_t siz
     return b;
 }
 
-GLuint sn_gl_buffer_texture(const sn_gl *gl, GLenum format, const void *data, size_t size)
+void sn_gl_delete_buffer(const sn_gl *gl, GLuint *buffer)
 {
-    GLuint b = sn_gl_buffer(gl, GL_TEXTURE_BUFFER, data, size), t;
-    gl->GenTextures(1, &t);
-    gl->BindTexture(GL_TEXTURE_BUFFER, t);
-    gl->TexBuffer(GL_TEXTURE_BUFFER, format, b);
+    if (*buffer) gl->DeleteBuffers(1, buffer);
+    *buffer = 0;
+}
+
+void sn_gl_delete_texture(const sn_gl *gl, GLuint *texture)
+{
+    if (*texture) gl->DeleteTextures(1, texture);
+    *texture = 0;
+}
+
+void sn_gl_delete_frame(const sn_gl *gl, GLuint *frame)
+{
+    if (*frame) gl->DeleteFramebuffers(1, frame);
+    *frame = 0;
+}
+
+sn_gl_texels sn_gl_buffer_texture(const sn_gl *gl, GLenum format, const void *data, size_t size)
+{
+    sn_gl_texels t = {.buffer = sn_gl_buffer(gl, GL_TEXTURE_BUFFER, data, size)};
+    gl->GenTextures(1, &t.texture);
+    gl->BindTexture(GL_TEXTURE_BUFFER, t.texture);
+    gl->TexBuffer(GL_TEXTURE_BUFFER, format, t.buffer);
     return t;
 }
 
-GLuint sn_gl_vertex_array(const sn_gl *gl, int n_attrib, const float *data, size_t n_vert)
+void sn_gl_delete_texels(const sn_gl *gl, sn_gl_texels *t)
 {
-    GLuint a;
-    gl->GenVertexArrays(1, &a);
-    gl->BindVertexArray(a);
+    sn_gl_delete_texture(gl, &t->texture);
+    sn_gl_delete_buffer(gl, &t->buffer);
+}
+
+void sn_gl_attribute(const sn_gl *gl, GLuint i, GLint size, GLenum type, bool is_normalized, size_t stride,
+                     size_t offset)
+{
+    gl->EnableVertexAttribArray(i);
+    gl->VertexAttribPointer(i, size, type, is_normalized ? GL_TRUE : GL_FALSE, (GLsizei)stride,
+                            (const void *)(uintptr_t)offset);
+}
+
+sn_gl_mesh sn_gl_vertex_array(const sn_gl *gl, int n_attrib, const float *data, size_t n_vert)
+{
+    sn_gl_mesh m = {.n = (GLsizei)n_vert};
+    gl->GenVertexArrays(1, &m.array);
+    gl->BindVertexArray(m.array);
     size_t stride = 3 * sizeof *data * (size_t)n_attrib;
-    (void)sn_gl_buffer(gl, GL_ARRAY_BUFFER, data, n_vert * stride);
-    for (int i = 0; i < n_attrib; i++) {
-        gl->EnableVertexAttribArray((GLuint)i);
-        gl->VertexAttribPointer((GLuint)i, 3, GL_FLOAT, GL_FALSE, (GLsizei)stride,
-                                (const void *)(uintptr_t)(3 * sizeof *data * (size_t)i));
-    }
-    return a;
+    m.buffer = sn_gl_buffer(gl, GL_ARRAY_BUFFER, data, n_vert * stride);
+    for (int i = 0; i < n_attrib; i++)
+        sn_gl_attribute(gl, (GLuint)i, 3, GL_FLOAT, false, stride, 3 * sizeof *data * (size_t)i);
+    return m;
+}
+
+void sn_gl_delete_mesh(const sn_gl *gl, sn_gl_mesh *m)
+{
+    if (m->array) gl->DeleteVertexArrays(1, &m->array);
+    sn_gl_delete_buffer(gl, &m->buffer);
+    sn_gl_delete_buffer(gl, &m->index);
+    memset(m, 0, sizeof *m);
+}
+
+void sn_gl_draw(const sn_gl *gl, const sn_gl_mesh *m, GLenum shape)
+{
+    if (m->n == 0) return;
+    gl->BindVertexArray(m->array);
+    if (m->index)
+        gl->DrawElements(shape, m->n, GL_UNSIGNED_INT, NULL);
+    else
+        gl->DrawArrays(shape, 0, m->n);
 }
 
 void sn_gl_sampler(const sn_gl *gl, GLuint program, const char *name, int unit, GLenum target, GLuint texture)
@@ -107,14 +152,14 @@ void sn_gl_sampler(const sn_gl *gl, GLuint program, const char *name, int unit, 
 
 GLuint sn_gl_target(const sn_gl *gl, GLint format, int width, int height)
 {
-    bool is_depth = format == GL_DEPTH32F_STENCIL8, is_half = format == GL_RGBA16F || format == GL_R16F;
+    bool is_depth = format == GL_DEPTH32F_STENCIL8, is_float = format == GL_RGBA16F || format == GL_RG32F;
     GLuint t;
     gl->GenTextures(1, &t);
     gl->BindTexture(GL_TEXTURE_2D, t);
     gl->TexImage2D(GL_TEXTURE_2D, 0, format, width, height, 0, is_depth ? GL_DEPTH_STENCIL : GL_RGBA,
-                   is_depth  ? GL_FLOAT_32_UNSIGNED_INT_24_8_REV
-                   : is_half ? GL_FLOAT
-                             : GL_UNSIGNED_BYTE,
+                   is_depth   ? GL_FLOAT_32_UNSIGNED_INT_24_8_REV
+                   : is_float ? GL_FLOAT
+                              : GL_UNSIGNED_BYTE,
                    NULL);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);

@@ -171,11 +171,32 @@ static bool fat_shows(const tet_scratch *c, int32_t n)
     return true;
 }
 
+static bool is_in(const sn_muscle_lists *l, int32_t item, int32_t muscle)
+{
+    for (int64_t a = l->first[item]; a < l->first[item + 1]; a++)
+        if (l->muscle[a] == muscle) return true;
+    return false;
+}
+
+/* Is there no muscle at any corner, or one at all of them? So it is in nearly all tets of a body. */
+static bool has_no_surface(const sn_muscle_lists *above, const int32_t v[4])
+{
+    int64_t n = 0;
+    for (int k = 0; k < 4; k++) n += above->first[v[k] + 1] - above->first[v[k]];
+    if (n == 0) return true;
+    for (int64_t a = above->first[v[0]]; a < above->first[v[0] + 1]; a++) {
+        int32_t i = above->muscle[a];
+        if (is_in(above, v[1], i) && is_in(above, v[2], i) && is_in(above, v[3], i)) return true;
+    }
+    return false;
+}
+
 /* The candidates of tet t into the scratch; 0 when no change from fat to muscle can show in it. */
 static int32_t tet_candidates(const sn_muscle_tets *m, const sn_picture_scene *s, int32_t t,
                               const tet_scratch *c)
 {
     const int32_t *v = s->tets->tet + 4 * (size_t)t;
+    if (has_no_surface(&m->above, v)) return 0;
     int32_t n = sn_muscle_lists_merge(&m->above, v, 4, c->muscle);
     for (int32_t i = 0; i < n; i++)
         for (int k = 0; k < 4; k++) c->g[i][k] = sn_muscle_above_fat(s, c->muscle[i], v[k]);
@@ -235,47 +256,33 @@ done:
     return st;
 }
 
-typedef struct incidence { /* tets around each vertex that a sent tet has, in index order */
-    int64_t *first;        /* n_vert + 1 */
-    int32_t *tet;
+typedef struct incidence { /* of the tets that are sent */
+    const sn_tet_fans *fans;
     int32_t *sent; /* n_tet: position among the sent, -1 */
+    char *is_used; /* n_vert: does a sent tet have it    */
 } incidence;
 
 static sn_status find_incidence(incidence *in, const sn_muscle_tets *m, const sn_tet_mesh *mesh,
                                 sn_error *err)
 {
-    size_t n_corner = 4 * (size_t)mesh->n_tet;
-    in->first = SN_NEW_ZERO(int64_t, (size_t)mesh->n_vert + 2);
     in->sent = SN_NEW(int32_t, mesh->n_tet);
-    char *is_used = SN_NEW_ZERO(char, mesh->n_vert);
-    sn_status st = SN_OK;
-    if (!in->first || !in->sent || !is_used) goto no_memory;
-    for (int32_t t = 0; t < mesh->n_tet; t++) in->sent[t] = -1;
+    in->is_used = SN_NEW_ZERO(char, mesh->n_vert);
+    if (!in->sent || !in->is_used)
+        return sn_fail(err, SN_ENOMEM, "picture: no memory for %d vertices", mesh->n_vert);
+    memset(in->sent, 0xff, (size_t)mesh->n_tet * sizeof *in->sent);
     for (int32_t i = 0; i < m->n_tet; i++) {
         in->sent[m->tet[i]] = i;
-        for (size_t k = 0; k < 4; k++) is_used[mesh->tet[4 * (size_t)m->tet[i] + k]] = 1;
+        for (size_t k = 0; k < 4; k++) in->is_used[mesh->tet[4 * (size_t)m->tet[i] + k]] = 1;
     }
-    /* Counts go two places up, so that filling moves the starts into place. */
-    for (size_t c = 0; c < n_corner; c++) in->first[mesh->tet[c] + 2] += is_used[mesh->tet[c]];
-    for (int32_t v = 0; v < mesh->n_vert; v++) in->first[v + 2] += in->first[v + 1];
-    in->tet = SN_NEW(int32_t, in->first[mesh->n_vert + 1]);
-    if (!in->tet) goto no_memory;
-    for (size_t c = 0; c < n_corner; c++)
-        if (is_used[mesh->tet[c]]) in->tet[in->first[mesh->tet[c] + 1]++] = (int32_t)(c >> 2);
-    goto done;
-no_memory:
-    st = sn_fail(err, SN_ENOMEM, "picture: no memory for the tets around %d vertices", mesh->n_vert);
-done:
-    sn_release(is_used);
-    return st;
+    return SN_OK;
 }
 
 /* The union of the candidates of the sent tets around v, increasing; out has room for all muscles. */
 static int32_t needed_at(const sn_muscle_tets *m, const incidence *in, int32_t v, int32_t *out)
 {
     int32_t n = 0;
-    for (int64_t a = in->first[v]; a < in->first[v + 1]; a++) {
-        int32_t i = in->sent[in->tet[a]];
+    for (int64_t a = in->fans->first[v]; a < in->fans->first[v + 1]; a++) {
+        int32_t i = in->sent[in->fans->tet[a]];
         if (i < 0) continue;
         for (int64_t c = m->cand.first[i]; c < m->cand.first[i + 1]; c++) {
             int32_t at = n, id = m->cand.muscle[c];
@@ -303,7 +310,7 @@ static sn_status find_needed(sn_muscle_tets *m, const sn_picture_scene *s, const
             is_short = !out;
 #pragma omp for schedule(dynamic, 1024)
             for (int32_t v = 0; v < n_vert; v++) {
-                if (is_short || in->first[v] == in->first[v + 1]) continue;
+                if (is_short || !in->is_used[v]) continue;
                 int32_t n = needed_at(m, in, v, out);
                 if (pass == 0)
                     m->need.first[v + 1] = n;
@@ -332,45 +339,85 @@ static void area_vectors(const sn_tet_mesh *mesh, const int32_t v[4], sn_vec3 ou
     }
 }
 
-/* Gradients of g averaged by volume over all tets around v. */
-static void vertex_normals(const sn_muscle_tets *m, const sn_picture_scene *s, const incidence *in, int32_t v)
+/* Gradients of g averaged by volume over all tets around v. sum: room for all muscles. */
+static void vertex_normals(const sn_muscle_tets *m, const sn_picture_scene *s, const incidence *in, int32_t v,
+                           sn_vec3 *sum)
 {
-    int64_t n0 = m->need.first[v], n1 = m->need.first[v + 1];
-    for (int64_t n = n0; n < n1; n++) {
-        sn_vec3 sum = {0};
-        for (int64_t a = in->first[v]; a < in->first[v + 1]; a++) {
-            const int32_t *corner = s->tets->tet + 4 * (size_t)in->tet[a];
-            sn_vec3 area[4];
-            area_vectors(s->tets, corner, area);
+    const int32_t *muscle = m->need.muscle + m->need.first[v];
+    int64_t n = m->need.first[v + 1] - m->need.first[v];
+    for (int64_t i = 0; i < n; i++) sum[i] = (sn_vec3){0};
+    for (int64_t a = in->fans->first[v]; n > 0 && a < in->fans->first[v + 1]; a++) {
+        const int32_t *corner = s->tets->tet + 4 * (size_t)in->fans->tet[a];
+        sn_vec3 area[4];
+        area_vectors(s->tets, corner, area);
+        for (int64_t i = 0; i < n; i++)
             for (int k = 0; k < 4; k++)
-                sum = sn_v3_mad(sum, sn_muscle_above_fat(s, m->need.muscle[n], corner[k]), area[k]);
-        }
-        sum = sn_v3_unit(sum);
-        m->normal[3 * n] = (float)-sum.x;
-        m->normal[3 * n + 1] = (float)-sum.y;
-        m->normal[3 * n + 2] = (float)-sum.z;
+                sum[i] = sn_v3_mad(sum[i], sn_muscle_above_fat(s, muscle[i], corner[k]), area[k]);
+    }
+    for (int64_t i = 0; i < n; i++) {
+        sn_vec3 unit = sn_v3_unit(sum[i]);
+        float *out = m->normal + 3 * (m->need.first[v] + i);
+        out[0] = (float)-unit.x;
+        out[1] = (float)-unit.y;
+        out[2] = (float)-unit.z;
     }
 }
 
-static sn_status find_normals(sn_muscle_tets *m, const sn_picture_scene *s, const sn_run *run, sn_error *err)
+static sn_status fill_normals(const sn_muscle_tets *m, const sn_picture_scene *s, const incidence *in,
+                              const sn_run *run, sn_error *err)
 {
-    incidence in = {0};
+    bool is_short = false;
+#pragma omp parallel num_threads(sn_run_threads(run)) reduction(|| : is_short)
+    {
+        sn_vec3 *sum = SN_NEW(sn_vec3, s->n_tissue);
+        is_short = !sum;
+#pragma omp for schedule(dynamic, 512)
+        for (int32_t v = 0; v < s->tets->n_vert; v++)
+            if (!is_short) vertex_normals(m, s, in, v, sum);
+        sn_release(sum);
+    }
+    return is_short ? sn_fail(err, SN_ENOMEM, "picture: no memory for normals") : SN_OK;
+}
+
+static sn_status find_normals(sn_muscle_tets *m, const sn_picture_scene *s, const sn_tet_fans *fans,
+                              const sn_run *run, sn_error *err)
+{
+    incidence in = {.fans = fans};
     sn_status st = find_incidence(&in, m, s->tets, err);
     if (!st) st = find_needed(m, s, &in, run, err);
-    if (st) goto done;
-    int32_t n_vert = s->tets->n_vert;
-    m->normal = sn_alloc((size_t)m->need.first[n_vert], sizeof(float[3]));
-    if (!m->normal) {
-        st = sn_fail(err, SN_ENOMEM, "picture: no memory for normals");
-        goto done;
+    if (!st) {
+        m->normal = sn_alloc((size_t)m->need.first[s->tets->n_vert], sizeof(float[3]));
+        st = m->normal ? fill_normals(m, s, &in, run, err)
+                       : sn_fail(err, SN_ENOMEM, "picture: no memory for normals");
     }
-#pragma omp parallel for schedule(dynamic, 512) num_threads(sn_run_threads(run))
-    for (int32_t v = 0; v < n_vert; v++) vertex_normals(m, s, &in, v);
-done:
-    sn_release(in.first);
-    sn_release(in.tet);
     sn_release(in.sent);
+    sn_release(in.is_used);
     return st;
+}
+
+/* ---- tets around vertices ---- */
+
+sn_status sn_tet_fans_find(sn_tet_fans *f, const sn_tet_mesh *mesh, sn_error *err)
+{
+    size_t n_corner = 4 * (size_t)mesh->n_tet;
+    f->first = SN_NEW_ZERO(int64_t, (size_t)mesh->n_vert + 2);
+    f->tet = SN_NEW(int32_t, n_corner);
+    if (!f->first || !f->tet) {
+        sn_tet_fans_free(f);
+        return sn_fail(err, SN_ENOMEM, "picture: no memory for the tets around %d vertices", mesh->n_vert);
+    }
+    /* Counts go two places up, so that filling moves the starts into place. */
+    for (size_t c = 0; c < n_corner; c++) f->first[mesh->tet[c] + 2]++;
+    for (int32_t v = 0; v < mesh->n_vert; v++) f->first[v + 2] += f->first[v + 1];
+    for (size_t c = 0; c < n_corner; c++) f->tet[f->first[mesh->tet[c] + 1]++] = (int32_t)(c >> 2);
+    return SN_OK;
+}
+
+void sn_tet_fans_free(sn_tet_fans *f)
+{
+    sn_release(f->first);
+    sn_release(f->tet);
+    memset(f, 0, sizeof *f);
 }
 
 const float *sn_muscle_tets_normal(const sn_muscle_tets *m, int32_t i_vert, int32_t i_muscle)
@@ -380,7 +427,8 @@ const float *sn_muscle_tets_normal(const sn_muscle_tets *m, int32_t i_vert, int3
     return m->normal + 3 * n;
 }
 
-sn_status sn_muscle_tets_find(sn_muscle_tets *m, const sn_picture_scene *s, const sn_run *run, sn_error *err)
+sn_status sn_muscle_tets_find(sn_muscle_tets *m, const sn_picture_scene *s, const sn_tet_fans *fans,
+                              const sn_run *run, sn_error *err)
 {
     sn_muscle_tets_free(m);
     sn_status st = check_field(s, run, err);
@@ -388,7 +436,7 @@ sn_status sn_muscle_tets_find(sn_muscle_tets *m, const sn_picture_scene *s, cons
     if (!st) st = sn_run_step(run, "choosing tets", 0.05, err);
     if (!st) st = find_tets(m, s, run, err);
     if (!st) st = sn_run_step(run, "smoothing normals", 0.15, err);
-    if (!st) st = find_normals(m, s, run, err);
+    if (!st) st = find_normals(m, s, fans, run, err);
     if (st) sn_muscle_tets_free(m);
     return st;
 }

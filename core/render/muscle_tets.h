@@ -23,12 +23,21 @@ typedef struct sn_muscle_tets {
     float *normal;        /* 3 per entry of need: unit, toward smaller g (out of the muscle); owned       */
 } sn_muscle_tets;
 
+/* The tets around each vertex, in index order: does not depend on the fields. */
+typedef struct sn_tet_fans {
+    int64_t *first; /* n_vert + 1, into tet; owned */
+    int32_t *tet;
+} sn_tet_fans;
+/* f is zeroed. Errors: SN_ENOMEM. */
+SN_MUST_USE sn_status sn_tet_fans_find(sn_tet_fans *f, const sn_tet_mesh *mesh, sn_error *err);
+void sn_tet_fans_free(sn_tet_fans *f);
+
 void sn_muscle_tets_init(sn_muscle_tets *m);
 void sn_muscle_tets_free(sn_muscle_tets *m);
-/* Everything above for the scene's tets. m is init-ed; on error it is empty.
+/* Everything above for the scene's tets. fans: theirs. m is init-ed; on error it is empty.
  * Errors: SN_EINVAL (a field value that is not finite: names tissue and vertex), SN_ENOMEM, SN_ECANCEL. */
-SN_MUST_USE sn_status sn_muscle_tets_find(sn_muscle_tets *m, const sn_picture_scene *s, const sn_run *run,
-                                          sn_error *err);
+SN_MUST_USE sn_status sn_muscle_tets_find(sn_muscle_tets *m, const sn_picture_scene *s,
+                                          const sn_tet_fans *fans, const sn_run *run, sn_error *err);
 /* The normal of a muscle at a vertex of a tet sent, where it is a candidate. */
 const float *sn_muscle_tets_normal(const sn_muscle_tets *m, int32_t i_vert, int32_t i_muscle);
 

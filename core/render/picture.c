@@ -1,16 +1,17 @@
-/* picture.c - one picture from beginning to end: what is checked, prepared once, and drawn tile by tile. */
+/* picture.c - what is known of a picture before anything is drawn: checks, the view, which part of it shows
+ * anything; and the picture drawn once. */
 #include "render/picture.h"
 
 #include "base/alloc.h"
-#include "render/context.h"
 #include "render/draw.h"
+#include "render/painter.h"
 
-#include <stdio.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
-/* Samples that tiles overlap, so that shading, which looks at neighbours, does not see the seams. */
-enum { tile_margin = 128 };
+enum { part_margin = 8 }; /* pixels: contours, lines of a least width, the filter of the samples */
+static const double line_margin =
+    0.02; /* of the unit: more than the radius of anything laid over the picture */
 
 static sn_status check_options(const sn_picture_options *opt, sn_error *err)
 {
@@ -54,24 +55,88 @@ static sn_status check_scene(const sn_picture_scene *s, sn_error *err)
     return SN_OK;
 }
 
+static sn_box3 add_points(sn_box3 box, const double *point, int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) box = sn_box3_add(box, sn_v3_load(point + 3 * (size_t)k));
+    return box;
+}
+
+/* Of curves, control points, fibers and arrows. */
+static sn_box3 line_bounds(const sn_picture_scene *s)
+{
+    sn_box3 box = sn_box3_empty();
+    for (int i = 0; i < s->n_curve; i++) {
+        box = add_points(box, s->curve[i].point, s->curve[i].n_point);
+        box = add_points(box, s->curve[i].control, s->curve[i].n_control);
+    }
+    for (int i = 0; i < s->n_fiber; i++) box = add_points(box, s->fiber[i].point, s->fiber[i].n_point);
+    for (int i = 0; i < s->n_arrow; i++)
+        box = sn_box3_add(sn_box3_add(box, s->arrow[i].from), sn_v3_add(s->arrow[i].from, s->arrow[i].along));
+    return box;
+}
+
+static sn_box3 surface_bounds(const sn_picture_scene *s)
+{
+    sn_box3 box = s->skin ? sn_tri_mesh_bounds(s->skin) : sn_box3_empty();
+    for (int i = 0; i < s->n_bone; i++) box = sn_box3_merge(box, sn_tri_mesh_bounds(s->bone[i]));
+    return box;
+}
+
 /* The scene's own length, or the diagonal of all there is to draw. */
 static double scene_unit(const sn_picture_scene *s)
 {
     if (s->unit > 0.0 && isfinite(s->unit)) return s->unit;
-    sn_box3 box = sn_box3_empty();
+    sn_box3 box = sn_box3_merge(surface_bounds(s), line_bounds(s));
     if (s->tets) box = sn_box3_merge(box, sn_tet_mesh_bounds(s->tets));
-    if (s->skin) box = sn_box3_merge(box, sn_tri_mesh_bounds(s->skin));
-    for (int i = 0; i < s->n_bone; i++) box = sn_box3_merge(box, sn_tri_mesh_bounds(s->bone[i]));
-    for (int i = 0; i < s->n_curve; i++)
-        for (int k = 0; k < s->curve[i].n_point; k++)
-            box = sn_box3_add(box, sn_v3_load(s->curve[i].point + 3 * (size_t)k));
-    for (int i = 0; i < s->n_fiber; i++)
-        for (int k = 0; k < s->fiber[i].n_point; k++)
-            box = sn_box3_add(box, sn_v3_load(s->fiber[i].point + 3 * (size_t)k));
-    for (int i = 0; i < s->n_arrow; i++)
-        box = sn_box3_add(sn_box3_add(box, s->arrow[i].from), sn_v3_add(s->arrow[i].from, s->arrow[i].along));
     double d = sn_box3_diagonal(box);
     return d > 0.0 ? d : 1.0;
+}
+
+/* The middle of the surfaces, or without any of the tets, or of the lines: what is hidden in one picture and
+ * shown in the next moves it as rarely as can be, for all that is kept counts from it. */
+static sn_vec3 scene_origin(const sn_picture_scene *s)
+{
+    sn_box3 box = surface_bounds(s);
+    if (!(box.min.x <= box.max.x)) box = s->tets ? sn_tet_mesh_bounds(s->tets) : line_bounds(s);
+    return box.min.x <= box.max.x ? sn_v3_lerp(box.min, box.max, 0.5) : sn_v3(0.0, 0.0, 0.0);
+}
+
+/* A box around what is laid over the picture, or around fibers among the solid things. */
+static sn_box3 wide_line_bounds(const sn_picture_scene *s, double unit)
+{
+    sn_box3 lines = line_bounds(s);
+    if (!(lines.min.x <= lines.max.x)) return lines;
+    double r = line_margin * unit; /* heads of arrows are wider: a tenth of their lengths */
+    for (int i = 0; i < s->n_arrow; i++) r = fmax(r, 0.1 * sn_v3_len(s->arrow[i].along));
+    sn_vec3 out = sn_v3(r, r, r);
+    return (sn_box3){sn_v3_sub(lines.min, out), sn_v3_add(lines.max, out)};
+}
+
+static int whole_pixel(double v, int last)
+{
+    return v <= 0.0 ? 0 : v >= last ? last : (int)v;
+}
+
+/* The pixels that the box covers; all of them when it reaches behind the eye. */
+static sn_pixels covered_part(const sn_frame *f, sn_box3 box)
+{
+    int w = f->opt->width, h = f->opt->height;
+    double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY;
+    if (!(box.min.x <= box.max.x)) return (sn_pixels){0, 0, 0, 0};
+    for (int k = 0; k < 8; k++) {
+        sn_vec3 p = sn_v3(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y,
+                          k & 4 ? box.max.z : box.min.z);
+        p = sn_v3_sub(p, f->eye);
+        double far = -sn_v3_dot(p, f->back), scale = (double)f->slope * f->samples * far;
+        if (!(far > 1e-6 * f->unit)) return (sn_pixels){0, w, 0, h};
+        double x = 0.5 * w + sn_v3_dot(p, f->right) / scale, y = 0.5 * h - sn_v3_dot(p, f->up) / scale;
+        x0 = fmin(x0, x);
+        x1 = fmax(x1, x);
+        y0 = fmin(y0, y);
+        y1 = fmax(y1, y);
+    }
+    return (sn_pixels){whole_pixel(floor(x0) - part_margin, w), whole_pixel(ceil(x1) + part_margin, w),
+                       whole_pixel(floor(y0) - part_margin, h), whole_pixel(ceil(y1) + part_margin, h)};
 }
 
 sn_status sn_frame_init(sn_frame *f, const sn_picture_scene *s, const sn_picture_options *opt,
@@ -100,7 +165,41 @@ sn_status sn_frame_init(sn_frame *f, const sn_picture_scene *s, const sn_picture
         f->plane_offset = sn_v3_dot(f->plane_normal, sn_v3_sub(f->eye, opt->clip_point));
         f->has_section = f->plane_offset > 0.0;
     }
+    f->origin = scene_origin(s);
     return SN_OK;
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int most(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+static sn_pixels both_parts(sn_pixels a, sn_pixels b)
+{
+    if (a.x0 >= a.x1 || a.y0 >= a.y1) return b;
+    if (b.x0 >= b.x1 || b.y0 >= b.y1) return a;
+    return (sn_pixels){least(a.x0, b.x0), most(a.x1, b.x1), least(a.y0, b.y0), most(a.y1, b.y1)};
+}
+
+void sn_frame_set_parts(sn_frame *f, sn_box3 muscles)
+{
+    const sn_picture_scene *s = f->scene;
+    const sn_picture_options *opt = f->opt;
+    sn_box3 solid = muscles;
+    bool has_lines = opt->show_curves || opt->show_points || opt->show_fibers || opt->show_frames;
+    sn_pixels lines = has_lines ? covered_part(f, wide_line_bounds(s, f->unit)) : (sn_pixels){0};
+    for (int i = 0; opt->show_bones && i < s->n_bone; i++)
+        solid = sn_box3_merge(solid, sn_tri_mesh_bounds(s->bone[i]));
+    f->solid_part = covered_part(f, solid);
+    if (opt->show_fibers && sn_fibers_are_solid(f)) f->solid_part = both_parts(f->solid_part, lines);
+    f->part = both_parts(f->solid_part, lines);
+    if (opt->show_skin && s->skin)
+        f->part = both_parts(f->part, covered_part(f, sn_tri_mesh_bounds(s->skin)));
 }
 
 void sn_frame_set_tile(sn_frame *f, sn_tile tile)
@@ -139,184 +238,63 @@ void sn_frame_use(const sn_frame *f, GLuint program)
     gl->UseProgram(program);
     gl->UniformMatrix4fv(gl->GetUniformLocation(program, "u_clip"), 1, GL_FALSE, f->clip);
     gl->UniformMatrix3fv(gl->GetUniformLocation(program, "u_turn"), 1, GL_FALSE, turn);
+    gl->Uniform3f(gl->GetUniformLocation(program, "u_shift"), (float)(f->origin.x - f->eye.x),
+                  (float)(f->origin.y - f->eye.y), (float)(f->origin.z - f->eye.z));
     gl->Uniform4f(gl->GetUniformLocation(program, "u_plane"), (float)f->plane_normal.x,
                   (float)f->plane_normal.y, (float)f->plane_normal.z, (float)f->plane_offset);
     gl->Uniform2f(gl->GetUniformLocation(program, "u_depth"), f->depth[0], f->depth[1]);
     gl->Uniform1f(gl->GetUniformLocation(program, "u_slope"), f->slope);
 }
 
-typedef struct drawing { /* everything that lives for one picture */
-    sn_context *context;
-    sn_frame frame;
-    sn_muscle_pass muscles;
-    sn_surface_pass surfaces;
-    sn_line_pass lines;
-    sn_fiber_pass fibers;
-    sn_arrow_pass arrows;
-    sn_targets targets;
-    float *samples;                                  /* one tile, read back */
-    int tile_width, tile_height, pixels_x, pixels_y; /* framebuffer, and the pixels that a tile brings */
-} drawing;
+/* ---- what is kept ---- */
 
-/* One tile when the picture fits; otherwise tiles that overlap by the margin on all sides. */
-static void plan_tiles(drawing *d, int tile_side)
+sn_key sn_frame_key(const sn_frame *f, uint64_t stamp0, uint64_t stamp1)
 {
-    const sn_frame *f = &d->frame;
-    int inner = (tile_side - 2 * tile_margin) / f->samples;
-    d->pixels_x = f->width <= tile_side ? f->opt->width : inner;
-    d->pixels_y = f->height <= tile_side ? f->opt->height : inner;
-    d->tile_width = f->width <= tile_side ? f->width : tile_side;
-    d->tile_height = f->height <= tile_side ? f->height : tile_side;
+    return (sn_key){.stamp = {stamp0, stamp1}, .origin = f->origin, .unit = f->unit};
 }
 
-static sn_status prepare(drawing *d, int tile_side, sn_error *err)
+bool sn_key_same(const sn_key *a, const sn_key *b)
 {
-    sn_frame *f = &d->frame;
-    const sn_picture_options *opt = f->opt;
-    sn_status st = sn_context_create(&d->context, err);
-    if (!st) st = sn_gl_load(&f->gl, err);
-    if (st) return st;
-    plan_tiles(d, tile_side);
-    d->targets.has_skin = opt->show_skin && f->scene->skin && opt->skin_opacity > 0.0;
-    bool has_curves = (opt->show_curves || opt->show_points) && f->scene->n_curve > 0;
-    bool has_fibers = opt->show_fibers && f->scene->n_fiber > 0;
-    bool has_arrows = opt->show_frames && f->scene->n_arrow > 0;
-    bool has_muscles = opt->show_muscles && f->scene->tets;
-    d->targets.has_lines = has_curves || has_arrows || (has_fibers && has_muscles);
-    d->samples = sn_alloc(4 * (size_t)d->tile_width * (size_t)d->tile_height, sizeof *d->samples);
-    if (!d->samples)
-        return sn_fail(err, SN_ENOMEM, "picture: no memory for a tile of %d x %d samples", d->tile_width,
-                       d->tile_height);
-    st = sn_targets_create(&d->targets, f, d->tile_width, d->tile_height, err);
-    if (!st) st = sn_run_step(f->run, "sending bones", 0.0, err);
-    if (!st) st = sn_surface_pass_prepare(&d->surfaces, f, err);
-    if (!st && has_curves) st = sn_line_pass_prepare(&d->lines, f, err);
-    if (!st && has_fibers) st = sn_fiber_pass_prepare(&d->fibers, f, err);
-    if (!st && has_arrows) st = sn_arrow_pass_prepare(&d->arrows, f, err);
-    if (!st && has_muscles) st = sn_muscle_pass_prepare(&d->muscles, f, err);
-    return st;
+    return a->stamp[0] != 0 && a->stamp[1] != 0 && memcmp(a, b, sizeof *a) == 0;
 }
 
-static sn_tile tile_of(const drawing *d, sn_pixels px)
+sn_clip_key sn_frame_clip_key(const sn_frame *f)
 {
-    const sn_frame *f = &d->frame;
-    int n = f->samples, x0 = px.x0 * n - tile_margin, y0 = f->height - px.y1 * n - tile_margin;
-    int x1 = px.x1 * n + tile_margin, y1 = f->height - px.y0 * n + tile_margin;
-    x0 = x0 > 0 ? x0 : 0;
-    y0 = y0 > 0 ? y0 : 0;
-    x1 = x1 < f->width ? x1 : f->width;
-    y1 = y1 < f->height ? y1 : f->height;
-    return (sn_tile){x0, y0, x1 - x0, y1 - y0};
+    sn_clip_key k = {.has_section = f->has_section};
+    if (!f->has_section) return k;
+    k.point = f->opt->clip_point;
+    k.normal = f->plane_normal;
+    return k;
 }
 
-static void draw_solids(const drawing *d)
+bool sn_clip_key_same(const sn_clip_key *a, const sn_clip_key *b)
 {
-    const sn_frame *f = &d->frame;
-    sn_targets_begin(&d->targets, f, d->targets.solid_frame);
-    if (d->muscles.tet_program) sn_muscle_pass_draw(&d->muscles, f);
-    sn_surface_pass_bones(&d->surfaces, f);
-    if (d->fibers.is_solid) sn_fiber_pass_draw(&d->fibers, f);
+    return a->has_section == b->has_section && memcmp(&a->point, &b->point, sizeof a->point) == 0 &&
+           memcmp(&a->normal, &b->normal, sizeof a->normal) == 0;
 }
 
-static void draw_lines(const drawing *d)
+sn_status sn_mesh_list_reserve(sn_mesh_list *l, int n, sn_error *err)
 {
-    const sn_frame *f = &d->frame;
-    sn_targets_begin(&d->targets, f, d->targets.line_frame);
-    if (d->fibers.program && !d->fibers.is_solid) sn_fiber_pass_draw(&d->fibers, f);
-    if (d->lines.program) sn_line_pass_draw(&d->lines, f);
-    if (d->arrows.program) sn_arrow_pass_draw(&d->arrows, f);
+    l->mesh = SN_NEW_ZERO(sn_gl_mesh, n);
+    l->n = 0;
+    l->cap = l->mesh ? n : 0;
+    return l->mesh ? SN_OK : sn_fail(err, SN_ENOMEM, "picture: no memory for %d batches", n);
 }
 
-/* Steps report through `done` of all pixels; each step may be the last when the caller wants to stop. */
-static sn_status draw_tile(drawing *d, sn_pixels px, double done, sn_image *out, sn_error *err)
+void sn_mesh_list_clear(sn_mesh_list *l, const sn_gl *gl)
 {
-    sn_frame *f = &d->frame;
-    const sn_gl *gl = &f->gl;
-    sn_frame_set_tile(f, tile_of(d, px));
-    sn_status st = sn_run_step(f->run, "drawing", 0.5 + 0.5 * done, err);
-    if (st) return st;
-    draw_solids(d);
-    if (d->targets.has_skin) {
-        sn_targets_begin(&d->targets, f, d->targets.skin_frame);
-        sn_surface_pass_skin(&d->surfaces, f);
-    }
-    if (d->targets.has_lines) draw_lines(d);
-    st = sn_run_step(f->run, "lighting", 0.5 + 0.5 * done, err);
-    if (st) return st;
-    sn_targets_occlusion(&d->targets, f);
-    sn_targets_final(&d->targets, f);
-    gl->ReadBuffer(GL_COLOR_ATTACHMENT0);
-    gl->ReadPixels(0, 0, f->tile.width, f->tile.height, GL_RGBA, GL_FLOAT, d->samples);
-    st = sn_gl_check(gl, "drawing", err);
-    if (!st) sn_resolve(f, d->samples, px, out);
-    return st;
-}
-
-static sn_status draw_tiles(drawing *d, sn_image *out, sn_error *err)
-{
-    const sn_gl *gl = &d->frame.gl;
-    gl->Enable(GL_DEPTH_TEST);
-    gl->DepthFunc(GL_LEQUAL);
-    gl->Enable(GL_DEPTH_CLAMP); /* nothing vanishes for being nearer or farther than the camera said */
-    for (int y = 0; y < out->height; y += d->pixels_y)
-        for (int x = 0; x < out->width; x += d->pixels_x) {
-            sn_pixels px = {x, x + d->pixels_x, y, y + d->pixels_y};
-            if (px.x1 > out->width) px.x1 = out->width;
-            if (px.y1 > out->height) px.y1 = out->height;
-            double done =
-                ((double)y * out->width + (double)x * d->pixels_y) / ((double)out->width * out->height);
-            sn_status st = draw_tile(d, px, fmin(done, 1.0), out, err);
-            if (st) return st;
-        }
-    return SN_OK;
-}
-
-static bool is_blank(const sn_image *m, const float background[4])
-{
-    uint8_t none[4];
-    sn_background_pixel(background, none);
-    size_t n = (size_t)m->width * (size_t)m->height;
-    for (size_t i = 0; i < n; i++)
-        if (memcmp(m->rgba + 4 * i, none, 4) != 0) return false;
-    return true;
-}
-
-static void drawing_free(drawing *d)
-{
-    sn_muscle_pass_free(&d->muscles);
-    sn_surface_pass_free(&d->surfaces);
-    sn_line_pass_free(&d->lines);
-    sn_fiber_pass_free(&d->fibers);
-    sn_arrow_pass_free(&d->arrows);
-    sn_release(d->samples);
-    sn_context_destroy(d->context);
-}
-
-sn_status sn_picture_draw_tiled(const sn_picture_scene *s, const sn_picture_options *opt, int tile_side,
-                                const sn_run *run, sn_image *out, sn_picture_stats *stats, sn_error *err)
-{
-    double start = sn_clock();
-    drawing d = {0};
-    sn_image_free(out);
-    if (stats) *stats = (sn_picture_stats){0};
-    sn_status st = sn_frame_init(&d.frame, s, opt, run, err);
-    if (!st) st = sn_image_reserve(out, opt->width, opt->height, err);
-    if (!st) st = prepare(&d, tile_side, err);
-    if (!st) st = draw_tiles(&d, out, err);
-    if (!st) st = sn_run_step(run, "drawing", 1.0, err);
-    if (!st && stats) {
-        stats->tets_sent = d.muscles.n_sent;
-        stats->seconds = sn_clock() - start;
-        stats->is_blank = is_blank(out, opt->background);
-        (void)snprintf(stats->renderer, sizeof stats->renderer, "%s", sn_context_renderer(d.context));
-    }
-    drawing_free(&d);
-    if (st) sn_image_free(out);
-    return st;
+    for (int i = 0; gl && i < l->n; i++) sn_gl_delete_mesh(gl, &l->mesh[i]);
+    sn_release(l->mesh);
+    *l = (sn_mesh_list){0};
 }
 
 sn_status sn_picture_draw(const sn_picture_scene *s, const sn_picture_options *opt, const sn_run *run,
                           sn_image *out, sn_picture_stats *stats, sn_error *err)
 {
-    return sn_picture_draw_tiled(s, opt, sn_tile_side, run, out, stats, err);
+    sn_painter *p = NULL;
+    sn_image_free(out);
+    sn_status st = sn_painter_create(&p, err);
+    if (!st) st = sn_painter_draw(p, s, opt, run, out, stats, err);
+    sn_painter_destroy(p);
+    return st;
 }

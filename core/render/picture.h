@@ -1,10 +1,9 @@
-/* picture.h - draws a body: muscles ray-cast from the tissue fields, bones, translucent skin, curves.
+/* picture.h - draws a body: muscles from the tissue fields, bones, translucent skin, curves.
  *
- * Muscle surfaces are not meshed: each tet that can show a surface is drawn and its fragment shader finds the
- * first change from fat to a muscle along the ray, exactly: all fields are linear inside a tet, so it is the
- * smallest root of f_i - f_fat over the tet's candidate muscles [A 3.6]. Tets in which no fat or no muscle
- * wins are never sent. Where a muscle reaches the border of the tet mesh (bone, skin, a symmetry plane), the
- * border is its surface.
+ * What is seen of a muscle is the first change from fat to it along the ray [A 3.6]. All fields are linear
+ * inside a tet, so these places are planes there: they are cut out as polygons that share vertices (see
+ * muscle_surface.h), once for each set of fields and not for each ray. Where a muscle reaches the border of
+ * the tet mesh (bone, skin, a symmetry plane), the border is its surface.
  *
  * With a clip plane, the cut is a section as in an atlas: plain colours of the tissues (fat is pale cream),
  * bones capped in their own, dark lines between. The section shows only to an eye on the removed side. Bones
@@ -13,8 +12,8 @@
  * they shade each other; else they are laid over the rest, too. Tendon is pearly white in place of the
  * muscle's colour, on its surface and in the section.
  *
- * Each call makes its own OpenGL context and leaves no context current. LP_NUM_THREADS sets the threads that
- * llvmpipe draws with; sn_run only those that prepare. */
+ * For many pictures of one scene see painter.h. No context is current after a call. LP_NUM_THREADS sets the
+ * threads that llvmpipe draws with; sn_run only those that prepare. */
 #ifndef SN_RENDER_PICTURE_H
 #define SN_RENDER_PICTURE_H
 
@@ -22,6 +21,7 @@
 #include "mesh/tet_mesh.h"
 #include "mesh/tri_mesh.h"
 #include "render/camera.h"
+#include "render/context.h"
 #include "render/image.h"
 
 typedef struct sn_rgb {
@@ -51,6 +51,14 @@ typedef struct sn_picture_arrow { /* nothing is drawn of one without a length */
     sn_rgb color;
 } sn_picture_arrow;
 
+/* For painter.h: while a stamp that is not 0 stays the same, so do the things it stands for. 0: they may have
+ * changed. One picture alone needs none. */
+typedef struct sn_picture_stamps {
+    uint64_t shapes; /* tets, bones, skin                                       */
+    uint64_t fields; /* field and tendon                                        */
+    uint64_t curves; /* curves, arrows, and with `fields` the fibers            */
+} sn_picture_stamps;
+
 typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised = nothing to draw */
     const sn_tet_mesh *tets;      /* NULL: no muscles                                                */
     const double *field;          /* n_tissue x n_vert, row 0 is fat, then the muscles in order       */
@@ -68,6 +76,7 @@ typedef struct sn_picture_scene { /* all borrowed for the call; zero-initialised
                                    tendon where the value, linear in each tet, is above 0 */
     double unit; /* a length of the scene (box diagonal) that widths of lines and shadows follow; 0: from what
                     is there */
+    sn_picture_stamps stamp;
 } sn_picture_scene;
 
 typedef struct sn_picture_options {
@@ -79,10 +88,11 @@ typedef struct sn_picture_options {
     float background[4]; /* RGBA, straight alpha, 0..1 */
     double skin_opacity; /* 0..1, of the skin seen face on */
     int32_t samples;     /* anti-aliasing: samples per pixel side, 1..4; 0: 2 */
+    sn_renderer renderer;
 } sn_picture_options;
 
 typedef struct sn_picture_stats {
-    int64_t tets_sent; /* tets drawn of all */
+    int64_t tets_sent; /* of all tets, those in which a muscle's surface is */
     double seconds;
     char renderer[160];
     bool is_blank; /* every pixel is the background */

@@ -78,25 +78,36 @@ static void put_arrow(float *at, const sn_frame *f, const sn_picture_arrow *a)
         }
 }
 
-sn_status sn_arrow_pass_prepare(sn_arrow_pass *p, const sn_frame *f, sn_error *err)
+static sn_status send_arrows(sn_arrow_pass *p, const sn_frame *f, sn_error *err)
 {
     const sn_picture_scene *s = f->scene;
-    sn_status st = sn_gl_program(&f->gl, "arrow", sn_shader_arrow_vs, sn_shader_arrow_fs, &p->program, err);
-    if (st) return st;
-    int n = (s->n_arrow + batch_arrows - 1) / batch_arrows;
-    p->batch = SN_NEW_ZERO(sn_vertex_batch, n);
-    float *data = SN_NEW(float, arrow_floats *batch_arrows);
-    if (!p->batch || !data) st = sn_fail(err, SN_ENOMEM, "picture: no memory for %d arrows", s->n_arrow);
+    sn_status st = sn_mesh_list_reserve(&p->batch, (s->n_arrow + batch_arrows - 1) / batch_arrows, err);
+    float *data = st ? NULL : SN_NEW(float, arrow_floats *batch_arrows);
+    if (!st && !data) st = sn_fail(err, SN_ENOMEM, "picture: no memory for %d arrows", s->n_arrow);
     for (int32_t i = 0; i < s->n_arrow && !st; i += batch_arrows) {
         int32_t count = s->n_arrow - i < batch_arrows ? s->n_arrow - i : batch_arrows;
         for (int32_t k = 0; k < count; k++)
             put_arrow(data + (size_t)arrow_floats * (size_t)k, f, &s->arrow[i + k]);
         size_t n_vert = (size_t)count * (arrow_floats / floats_per_vert);
-        p->batch[p->n_batch++] =
-            (sn_vertex_batch){sn_gl_vertex_array(&f->gl, 4, data, n_vert), (GLsizei)n_vert};
+        p->batch.mesh[p->batch.n++] = sn_gl_vertex_array(&f->gl, 4, data, n_vert);
         st = sn_gl_check(&f->gl, "sending arrows", err);
     }
     sn_release(data);
+    return st;
+}
+
+sn_status sn_arrow_pass_update(sn_arrow_pass *p, const sn_frame *f, sn_error *err)
+{
+    sn_key key = sn_frame_key(f, f->scene->stamp.curves, f->scene->stamp.curves);
+    key.count[0] = f->scene->n_arrow;
+    if (sn_key_same(&p->key, &key)) return SN_OK;
+    p->key = (sn_key){0};
+    sn_mesh_list_clear(&p->batch, &f->gl);
+    sn_status st =
+        p->program ? SN_OK
+                   : sn_gl_program(&f->gl, "arrow", sn_shader_arrow_vs, sn_shader_arrow_fs, &p->program, err);
+    if (!st) st = send_arrows(p, f, err);
+    if (!st) p->key = key;
     return st;
 }
 
@@ -105,10 +116,7 @@ static void draw_arrows(const sn_arrow_pass *p, const sn_frame *f, float grow, f
     const sn_gl *gl = &f->gl;
     gl->Uniform1f(gl->GetUniformLocation(p->program, "u_grow"), grow * (float)f->samples);
     gl->Uniform1f(gl->GetUniformLocation(p->program, "u_is_lit"), is_lit);
-    for (int i = 0; i < p->n_batch; i++) {
-        gl->BindVertexArray(p->batch[i].array);
-        gl->DrawArrays(GL_TRIANGLES, 0, p->batch[i].n_vert);
-    }
+    for (int i = 0; i < p->batch.n; i++) sn_gl_draw(gl, &p->batch.mesh[i], GL_TRIANGLES);
 }
 
 void sn_arrow_pass_draw(const sn_arrow_pass *p, const sn_frame *f)
@@ -128,6 +136,6 @@ void sn_arrow_pass_draw(const sn_arrow_pass *p, const sn_frame *f)
 
 void sn_arrow_pass_free(sn_arrow_pass *p)
 {
-    sn_release(p->batch);
+    sn_mesh_list_clear(&p->batch, NULL);
     memset(p, 0, sizeof *p);
 }

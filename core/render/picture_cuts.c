@@ -1,5 +1,5 @@
-/* picture_cuts.c - flat pieces coloured by the tissue that wins: where a muscle touches the border of the tet
- * mesh, and where the clip plane cuts the tets. */
+/* picture_cuts.c - the section: where the clip plane cuts the tets, flat pieces coloured by the tissue that
+ * wins. */
 #include "render/draw.h"
 
 #include "base/alloc.h"
@@ -8,8 +8,12 @@
 
 #include <string.h>
 
-static const double border_crease_deg = 50.0;
 static const sn_rgb fat_color = {0.965f, 0.925f, 0.780f}; /* pale cream */
+
+typedef struct sn_muscle_section { /* what one batch has sent */
+    sn_gl_mesh mesh;
+    sn_gl_texels face, cand;
+} sn_muscle_section;
 
 typedef struct pieces { /* triangles waiting to be sent */
     float *corner;      /* 27 per triangle: place, normal; number of the corner, triangle, 0 */
@@ -25,16 +29,15 @@ static void pieces_free(pieces *p)
     sn_release(p->cand);
 }
 
-static sn_status pieces_send(pieces *p, sn_cut_batch **list, int *n_list, const sn_frame *f, sn_error *err)
+static sn_status pieces_send(pieces *p, sn_muscle_pass *pass, const sn_frame *f, sn_error *err)
 {
     if (p->n_face == 0) return SN_OK;
-    sn_cut_batch *more = sn_realloc(*list, (size_t)*n_list + 1, sizeof **list);
+    sn_muscle_section *more = sn_realloc(pass->section, (size_t)pass->n_section + 1, sizeof *more);
     float none[4] = {0};
-    if (!more) return sn_fail(err, SN_ENOMEM, "picture: no memory for %d batches", *n_list + 1);
-    *list = more;
-    sn_cut_batch *b = &more[(*n_list)++];
-    b->n_vert = (GLsizei)(3 * p->n_face);
-    b->array = sn_gl_vertex_array(&f->gl, 3, p->corner, 3 * p->n_face);
+    if (!more) return sn_fail(err, SN_ENOMEM, "picture: no memory for %d batches", pass->n_section + 1);
+    pass->section = more;
+    sn_muscle_section *b = &more[pass->n_section++];
+    b->mesh = sn_gl_vertex_array(&f->gl, 3, p->corner, 3 * p->n_face);
     b->face = sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->face, 4 * p->n_face * sizeof(float));
     b->cand = p->n_texel > 0
                   ? sn_gl_buffer_texture(&f->gl, GL_RGBA32F, p->cand, 4 * p->n_texel * sizeof(float))
@@ -101,45 +104,6 @@ static bool pieces_full(const pieces *p, int32_t room, int32_t max_texels)
     return p->n_face + 2 > (size_t)max_texels || p->n_texel + 4 * (size_t)room > (size_t)max_texels;
 }
 
-sn_status sn_cut_border(sn_muscle_pass *p, const sn_frame *f, const sn_muscle_tets *m, int32_t max_texels,
-                        sn_error *err)
-{
-    sn_tri_mesh surface;
-    sn_tri_mesh_init(&surface);
-    int32_t *v_map = NULL, *muscle = SN_NEW(int32_t, f->scene->n_tissue);
-    float *normal = NULL;
-    pieces wait = {0};
-    sn_status st = muscle ? sn_tet_mesh_surface(f->scene->tets, -1, &surface, &v_map, err)
-                          : sn_fail(err, SN_ENOMEM, "picture: no memory for %d tissues", f->scene->n_tissue);
-    if (st) goto done;
-    normal = SN_NEW(float, 9 * (size_t)surface.n_face);
-    st = normal ? sn_corner_normals(&surface, border_crease_deg, f->run, normal, err)
-                : sn_fail(err, SN_ENOMEM, "picture: no memory for %d border faces", surface.n_face);
-    for (int32_t i = 0; i < surface.n_face && !st; i++) {
-        const int32_t *v = surface.face + 3 * (size_t)i;
-        int32_t mesh_v[3] = {v_map[v[0]], v_map[v[1]], v_map[v[2]]};
-        int32_t n = sn_muscle_lists_merge(&m->above, mesh_v, 3, muscle);
-        sn_vec3 a = sn_v3_sub(sn_tri_mesh_point(&surface, v[0]), f->eye);
-        if (n == 0 || sn_v3_dot(a, sn_tri_mesh_face_normal(&surface, i)) >= 0.0) continue; /* turned away */
-        cut_corner c[3];
-        for (int k = 0; k < 3; k++) {
-            const float *q = normal + 9 * (size_t)i + 3 * k;
-            c[k] = (cut_corner){.place = sn_tri_mesh_point(&surface, v[k]), .a = mesh_v[k], .b = mesh_v[k]};
-            c[k].normal = sn_v3((double)q[0], (double)q[1], (double)q[2]);
-        }
-        if (pieces_full(&wait, n, max_texels)) st = pieces_send(&wait, &p->border, &p->n_border, f, err);
-        if (!st) st = pieces_add(&wait, f, c, muscle, n, err);
-    }
-    if (!st) st = pieces_send(&wait, &p->border, &p->n_border, f, err);
-done:
-    pieces_free(&wait);
-    sn_tri_mesh_free(&surface);
-    sn_release(v_map);
-    sn_release(normal);
-    sn_release(muscle);
-    return st;
-}
-
 /* The point of the plane on the edge between a kept and a removed vertex, the same from every tet around the
  * edge. */
 static cut_corner cross_edge(const sn_frame *f, const double *height, int32_t a, int32_t b)
@@ -186,8 +150,8 @@ static double *plane_heights(const sn_frame *f)
     return height;
 }
 
-sn_status sn_cut_section(sn_muscle_pass *p, const sn_frame *f, const sn_muscle_tets *m, int32_t max_texels,
-                         sn_error *err)
+static sn_status send_section(sn_muscle_pass *p, const sn_frame *f, const sn_muscle_tets *m,
+                              int32_t max_texels, sn_error *err)
 {
     const sn_tet_mesh *mesh = f->scene->tets;
     int32_t *muscle = SN_NEW(int32_t, f->scene->n_tissue);
@@ -202,44 +166,60 @@ sn_status sn_cut_section(sn_muscle_pass *p, const sn_frame *f, const sn_muscle_t
         int n_corner = cut_tet(f, height, v, c);
         if (n_corner == 0) continue;
         int32_t n = sn_muscle_lists_merge(&m->above, v, 4, muscle);
-        if (pieces_full(&wait, n, max_texels)) st = pieces_send(&wait, &p->section, &p->n_section, f, err);
+        if (pieces_full(&wait, n, max_texels)) st = pieces_send(&wait, p, f, err);
         if (!st) st = pieces_add(&wait, f, c, muscle, n, err);
         c[1] = c[0];
         if (!st && n_corner == 4) st = pieces_add(&wait, f, c + 1, muscle, n, err);
     }
-    if (!st) st = pieces_send(&wait, &p->section, &p->n_section, f, err);
+    if (!st) st = pieces_send(&wait, p, f, err);
     pieces_free(&wait);
     sn_release(muscle);
     sn_release(height);
     return st;
 }
 
-static void draw_batches(const sn_muscle_pass *p, const sn_frame *f, const sn_cut_batch *list, int n,
-                         float is_section)
+sn_status sn_cut_update(sn_muscle_pass *p, const sn_frame *f, const sn_muscle_tets *m, sn_error *err)
 {
-    const sn_gl *gl = &f->gl;
-    gl->Uniform1f(gl->GetUniformLocation(p->cut_program, "u_is_section"), is_section);
-    for (int i = 0; i < n; i++) {
-        sn_gl_sampler(gl, p->cut_program, "u_face", 0, GL_TEXTURE_BUFFER, list[i].face);
-        sn_gl_sampler(gl, p->cut_program, "u_cand", 1, GL_TEXTURE_BUFFER, list[i].cand);
-        gl->BindVertexArray(list[i].array);
-        gl->DrawArrays(GL_TRIANGLES, 0, list[i].n_vert);
-    }
+    GLint max_texels = 0;
+    f->gl.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &max_texels);
+    if (max_texels > 1 << 24) max_texels = 1 << 24; /* texel numbers travel as floats */
+    sn_cut_clear(p, &f->gl);
+    sn_status st = sn_run_step(f->run, "cutting tets", 0.4, err);
+    if (!st && !p->cut_program)
+        st = sn_gl_program(&f->gl, "section", sn_shader_cut_vs, sn_shader_cut_fs, &p->cut_program, err);
+    return st ? st : send_section(p, f, m, max_texels, err);
 }
 
-/* Drawn a hair nearer than they are, so that they win over the tets that begin at the same place. */
+void sn_cut_clear(sn_muscle_pass *p, const sn_gl *gl)
+{
+    for (int i = 0; gl && i < p->n_section; i++) {
+        sn_gl_delete_mesh(gl, &p->section[i].mesh);
+        sn_gl_delete_texels(gl, &p->section[i].face);
+        sn_gl_delete_texels(gl, &p->section[i].cand);
+    }
+    sn_release(p->section);
+    p->section = NULL;
+    p->n_section = 0;
+}
+
+/* Drawn a hair nearer than it is, so that it wins over surfaces that begin at the same place. */
 void sn_cut_draw(const sn_muscle_pass *p, const sn_frame *f)
 {
     const sn_gl *gl = &f->gl;
     sn_frame_use(f, p->cut_program);
-    gl->Uniform3f(gl->GetUniformLocation(p->cut_program, "u_fat"), fat_color.r, fat_color.g, fat_color.b);
-    sn_muscle_use_tendon(f, p->cut_program, 1);
-    sn_gl_sampler(gl, p->cut_program, "u_color", 2, GL_TEXTURE_BUFFER, p->color);
+    float fat[3];
+    sn_color_linear(fat_color, fat);
+    gl->Uniform3f(gl->GetUniformLocation(p->cut_program, "u_fat"), fat[0], fat[1], fat[2]);
+    gl->Uniform1i(gl->GetUniformLocation(p->cut_program, "u_stride"), f->scene->tendon ? 2 : 1);
+    sn_muscle_use_tendon(f, p->cut_program);
+    sn_gl_sampler(gl, p->cut_program, "u_color", 2, GL_TEXTURE_BUFFER, p->color.texture);
     gl->Enable(GL_POLYGON_OFFSET_FILL);
     gl->PolygonOffset(-1.0f, -8.0f);
-    gl->Enable(GL_CLIP_DISTANCE0);
-    draw_batches(p, f, p->border, p->n_border, 0.0f);
-    draw_batches(p, f, p->section, p->n_section, 1.0f);
-    gl->Disable(GL_CLIP_DISTANCE0);
+    for (int i = 0; i < p->n_section; i++) {
+        const sn_muscle_section *b = &p->section[i];
+        sn_gl_sampler(gl, p->cut_program, "u_face", 0, GL_TEXTURE_BUFFER, b->face.texture);
+        sn_gl_sampler(gl, p->cut_program, "u_cand", 1, GL_TEXTURE_BUFFER, b->cand.texture);
+        sn_gl_draw(gl, &b->mesh, GL_TRIANGLES);
+    }
     gl->Disable(GL_POLYGON_OFFSET_FILL);
 }

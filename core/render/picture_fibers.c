@@ -70,7 +70,7 @@ static void put_strip(float *data, const sn_frame *f, int32_t i_line)
 }
 
 /* The strips of the lines i0..i1 as one batch. */
-static sn_status send_batch(sn_vertex_batch *out, const sn_frame *f, int32_t i0, int32_t i1, sn_error *err)
+static sn_status send_batch(sn_gl_mesh *out, const sn_frame *f, int32_t i0, int32_t i1, sn_error *err)
 {
     const sn_picture_line *line = f->scene->fiber;
     sn_status st = SN_OK;
@@ -84,8 +84,7 @@ static sn_status send_batch(sn_vertex_batch *out, const sn_frame *f, int32_t i0,
 #pragma omp parallel for schedule(dynamic, 64) num_threads(sn_run_threads(f->run))
         for (int32_t i = i0; i < i1; i++)
             if (line[i].n_point > 0) put_strip(data + floats_per_vert * first[i - i0], f, i);
-        out->array = sn_gl_vertex_array(&f->gl, 3, data, n_vert);
-        out->n_vert = (GLsizei)n_vert;
+        *out = sn_gl_vertex_array(&f->gl, 3, data, n_vert);
         st = sn_gl_check(&f->gl, "sending fibers", err);
     } else {
         st = sn_fail(err, SN_ENOMEM, "picture: no memory to send %d fibers", i1 - i0);
@@ -104,41 +103,60 @@ static int32_t batch_end(const sn_picture_scene *s, int32_t i0)
     return i;
 }
 
-sn_status sn_fiber_pass_prepare(sn_fiber_pass *p, const sn_frame *f, sn_error *err)
+static sn_status send_fibers(sn_fiber_pass *p, const sn_frame *f, sn_error *err)
 {
     const sn_picture_scene *s = f->scene;
-    p->is_solid = !(f->opt->show_muscles && s->tets);
-    sn_status st =
-        sn_gl_program(&f->gl, "fiber", sn_shader_fiber_vs,
-                      p->is_solid ? sn_shader_fiber_fs : sn_shader_fiber_line_fs, &p->program, err);
-    if (st) return st;
     int n = 0;
     for (int32_t i = 0; i < s->n_fiber; i = batch_end(s, i)) n++;
-    p->batch = SN_NEW_ZERO(sn_vertex_batch, n);
-    if (!p->batch) return sn_fail(err, SN_ENOMEM, "picture: no memory for %d batches", n);
+    sn_status st = sn_mesh_list_reserve(&p->batch, n, err);
     for (int32_t i = 0, end; i < s->n_fiber && !st; i = end) {
         end = batch_end(s, i);
-        st = send_batch(&p->batch[p->n_batch++], f, i, end, err);
+        st = send_batch(&p->batch.mesh[p->batch.n++], f, i, end, err);
     }
+    return st;
+}
+
+bool sn_fibers_are_solid(const sn_frame *f)
+{
+    return !(f->opt->show_muscles && f->scene->tets);
+}
+
+static sn_status need_program(sn_fiber_pass *p, const sn_frame *f, sn_error *err)
+{
+    bool is_solid = sn_fibers_are_solid(f);
+    GLuint *program = is_solid ? &p->solid_program : &p->line_program;
+    if (*program) return SN_OK;
+    return sn_gl_program(&f->gl, "fiber", sn_shader_fiber_vs,
+                         is_solid ? sn_shader_fiber_fs : sn_shader_fiber_line_fs, program, err);
+}
+
+sn_status sn_fiber_pass_update(sn_fiber_pass *p, const sn_frame *f, sn_error *err)
+{
+    sn_key key = sn_frame_key(f, f->scene->stamp.curves, f->scene->stamp.fields);
+    key.count[0] = f->scene->n_fiber;
+    sn_status st = need_program(p, f, err);
+    if (st || sn_key_same(&p->key, &key)) return st;
+    p->key = (sn_key){0};
+    sn_mesh_list_clear(&p->batch, &f->gl);
+    st = send_fibers(p, f, err);
+    if (!st) p->key = key;
     return st;
 }
 
 void sn_fiber_pass_draw(const sn_fiber_pass *p, const sn_frame *f)
 {
     const sn_gl *gl = &f->gl;
-    sn_frame_use(f, p->program);
-    gl->Uniform1f(gl->GetUniformLocation(p->program, "u_radius"), (float)(fiber_radius * f->unit));
-    gl->Uniform1f(gl->GetUniformLocation(p->program, "u_pixels"), fiber_pixels * (float)f->samples);
+    GLuint program = sn_fibers_are_solid(f) ? p->solid_program : p->line_program;
+    sn_frame_use(f, program);
+    gl->Uniform1f(gl->GetUniformLocation(program, "u_radius"), (float)(fiber_radius * f->unit));
+    gl->Uniform1f(gl->GetUniformLocation(program, "u_pixels"), fiber_pixels * (float)f->samples);
     gl->Enable(GL_CLIP_DISTANCE0);
-    for (int i = 0; i < p->n_batch; i++) {
-        gl->BindVertexArray(p->batch[i].array);
-        gl->DrawArrays(GL_TRIANGLE_STRIP, 0, p->batch[i].n_vert);
-    }
+    for (int i = 0; i < p->batch.n; i++) sn_gl_draw(gl, &p->batch.mesh[i], GL_TRIANGLE_STRIP);
     gl->Disable(GL_CLIP_DISTANCE0);
 }
 
 void sn_fiber_pass_free(sn_fiber_pass *p)
 {
-    sn_release(p->batch);
+    sn_mesh_list_clear(&p->batch, NULL);
     memset(p, 0, sizeof *p);
 }

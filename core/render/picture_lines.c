@@ -93,7 +93,7 @@ static size_t put_tube(float *data, const sn_frame *f, const sn_vec3 *p, int32_t
     return at;
 }
 
-static sn_status send_tube(sn_line *line, const sn_picture_curve *c, const sn_frame *f, sn_error *err)
+static sn_status send_tube(sn_gl_mesh *out, const sn_picture_curve *c, const sn_frame *f, sn_error *err)
 {
     size_t n_band = (size_t)c->n_point + 5;
     float *data = SN_NEW(float, 36 * n_side * n_band);
@@ -101,8 +101,8 @@ static sn_status send_tube(sn_line *line, const sn_picture_curve *c, const sn_fr
     sn_status st = SN_OK;
     if (data && p) {
         int32_t n = distinct_points(c, 1e-7 * f->unit, p);
-        line->n_tube = n > 1 ? (GLsizei)put_tube(data, f, p, n) : 0;
-        if (line->n_tube > 0) line->tube = sn_gl_vertex_array(&f->gl, 2, data, (size_t)line->n_tube);
+        size_t n_vert = n > 1 ? put_tube(data, f, p, n) : 0;
+        if (n_vert > 0) *out = sn_gl_vertex_array(&f->gl, 2, data, n_vert);
     } else {
         st = sn_fail(err, SN_ENOMEM, "picture: no memory for a curve of %d points", c->n_point);
     }
@@ -111,7 +111,7 @@ static sn_status send_tube(sn_line *line, const sn_picture_curve *c, const sn_fr
     return st;
 }
 
-static sn_status send_balls(sn_line *line, const sn_picture_curve *c, const sn_frame *f, sn_error *err)
+static sn_status send_balls(sn_gl_mesh *out, const sn_picture_curve *c, const sn_frame *f, sn_error *err)
 {
     size_t n = 6 * ball_rings * ball_sides * (size_t)c->n_control, at = 0;
     float *data = SN_NEW(float, 6 * n);
@@ -128,37 +128,50 @@ static sn_status send_balls(sn_line *line, const sn_picture_curve *c, const sn_f
             at = put_band(data, at, f, &a, &b, ball_sides);
         }
     }
-    line->balls = sn_gl_vertex_array(&f->gl, 2, data, n);
-    line->n_balls = (GLsizei)n;
+    *out = sn_gl_vertex_array(&f->gl, 2, data, n);
     sn_release(data);
     return SN_OK;
 }
 
-sn_status sn_line_pass_prepare(sn_line_pass *p, const sn_frame *f, sn_error *err)
+static sn_status send_lines(sn_line_pass *p, const sn_frame *f, sn_error *err)
 {
     const sn_picture_scene *s = f->scene;
-    sn_status st = sn_gl_program(&f->gl, "curve", sn_shader_line_vs, sn_shader_line_fs, &p->program, err);
-    if (st) return st;
-    p->line = SN_NEW_ZERO(sn_line, s->n_curve);
-    if (!p->line) return sn_fail(err, SN_ENOMEM, "picture: no memory for %d curves", s->n_curve);
-    p->n_line = s->n_curve;
+    sn_status st = sn_mesh_list_reserve(&p->tube, s->n_curve, err);
+    if (!st) st = sn_mesh_list_reserve(&p->balls, s->n_curve, err);
     for (int i = 0; i < s->n_curve && !st; i++) {
         const sn_picture_curve *c = &s->curve[i];
-        if (f->opt->show_curves && c->n_point > 1) st = send_tube(&p->line[i], c, f, err);
-        if (!st && f->opt->show_points && c->n_control > 0) st = send_balls(&p->line[i], c, f, err);
+        sn_gl_mesh *tube = &p->tube.mesh[p->tube.n++], *balls = &p->balls.mesh[p->balls.n++];
+        if (f->opt->show_curves && c->n_point > 1) st = send_tube(tube, c, f, err);
+        if (!st && f->opt->show_points && c->n_control > 0) st = send_balls(balls, c, f, err);
     }
     return st ? st : sn_gl_check(&f->gl, "sending curves", err);
 }
 
-static void draw_part(const sn_line_pass *p, const sn_frame *f, GLuint array, GLsizei n, double radius,
+sn_status sn_line_pass_update(sn_line_pass *p, const sn_frame *f, sn_error *err)
+{
+    sn_key key = sn_frame_key(f, f->scene->stamp.curves, f->scene->stamp.curves);
+    key.count[0] = f->scene->n_curve;
+    key.count[1] = f->opt->show_curves;
+    key.count[2] = f->opt->show_points;
+    if (sn_key_same(&p->key, &key)) return SN_OK;
+    p->key = (sn_key){0};
+    sn_mesh_list_clear(&p->tube, &f->gl);
+    sn_mesh_list_clear(&p->balls, &f->gl);
+    sn_status st =
+        p->program ? SN_OK
+                   : sn_gl_program(&f->gl, "curve", sn_shader_line_vs, sn_shader_line_fs, &p->program, err);
+    if (!st) st = send_lines(p, f, err);
+    if (!st) p->key = key;
+    return st;
+}
+
+static void draw_part(const sn_line_pass *p, const sn_frame *f, const sn_gl_mesh *m, double radius,
                       float pixels)
 {
     const sn_gl *gl = &f->gl;
-    if (n == 0) return;
     gl->Uniform1f(gl->GetUniformLocation(p->program, "u_radius"), (float)(radius * f->unit));
     gl->Uniform1f(gl->GetUniformLocation(p->program, "u_pixels"), pixels * (float)f->samples);
-    gl->BindVertexArray(array);
-    gl->DrawArrays(GL_TRIANGLES, 0, n);
+    sn_gl_draw(gl, m, GL_TRIANGLES);
 }
 
 static void draw_lines(const sn_line_pass *p, const sn_frame *f, float grow, bool has_color)
@@ -166,14 +179,14 @@ static void draw_lines(const sn_line_pass *p, const sn_frame *f, float grow, boo
     const sn_gl *gl = &f->gl;
     GLint color = gl->GetUniformLocation(p->program, "u_color");
     gl->Uniform1f(gl->GetUniformLocation(p->program, "u_grow"), grow * (float)f->samples);
-    for (int i = 0; i < p->n_line; i++) {
+    for (int i = 0; i < p->tube.n; i++) {
         sn_rgb c = f->scene->curve[i].color;
         if (has_color)
             gl->Uniform4f(color, c.r, c.g, c.b, 1.0f);
         else
             gl->Uniform4f(color, 0.16f * c.r, 0.16f * c.g, 0.16f * c.b, 0.0f);
-        draw_part(p, f, p->line[i].tube, p->line[i].n_tube, tube_radius, tube_pixels);
-        draw_part(p, f, p->line[i].balls, p->line[i].n_balls, ball_radius, ball_pixels);
+        draw_part(p, f, &p->tube.mesh[i], tube_radius, tube_pixels);
+        draw_part(p, f, &p->balls.mesh[i], ball_radius, ball_pixels);
     }
 }
 
@@ -193,6 +206,7 @@ void sn_line_pass_draw(const sn_line_pass *p, const sn_frame *f)
 
 void sn_line_pass_free(sn_line_pass *p)
 {
-    sn_release(p->line);
+    sn_mesh_list_clear(&p->tube, NULL);
+    sn_mesh_list_clear(&p->balls, NULL);
     memset(p, 0, sizeof *p);
 }

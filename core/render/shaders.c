@@ -1,6 +1,6 @@
 /* shaders.c - the GLSL sources.
  *
- * Solid things are drawn in two steps. The passes write what is seen at each sample: its colour (sRGB, alpha
+ * Solid things are drawn in two steps. The passes write what is seen at each sample: its colour (linear, alpha
  * = gloss), its normal towards the eye, what it is (`kind`, below) and its depth. The final pass lights it.
  * All positions count from the eye, so that single precision is enough wherever the scene lies.
  * kind: 0 background; 1..511 a bone; 512..1023 a muscle; 1024 a fiber; the first two negative, or -1024 for
@@ -13,10 +13,12 @@
 static const char version[] =
     "#version 330 core\n";
 
-/* What all vertex shaders know: place -> clip space of the tile, and the turn into the view's axes. */
+/* What all vertex shaders know: place -> clip space of the tile, and the turn into the view's axes. Vertices count
+ * from the scene's origin, places from the eye: u_shift is the origin's. */
 static const char frame[] =
     "uniform mat4 u_clip;\n"
     "uniform mat3 u_turn;\n"
+    "uniform vec3 u_shift;\n"
     "uniform vec4 u_plane;\n"
     "invariant gl_Position;\n";
 
@@ -27,79 +29,39 @@ static const char solid_out[] =
     "uniform mat3 u_turn;\n"
     "uniform vec4 u_plane;\n";
 
-/* a_corner: which corner of which tet. (gl_VertexID would tell, but softpipe counts it wrongly in long draws.) */
+/* a_tendon: above 0 where the muscle is tendon; between vertices all are linear, as in the tet. */
 static const char muscle_vs[] =
     "layout(location = 0) in vec3 a_place;\n"
-    "layout(location = 1) in vec3 a_corner;\n"
-    "out vec4 v_bary;\n"
-    "out vec3 v_place;\n"
-    "flat out int v_tet;\n"
+    "layout(location = 1) in vec3 a_normal;\n"
+    "layout(location = 2) in float a_kind;\n"
+    "layout(location = 3) in vec4 a_color;\n"
+    "layout(location = 4) in float a_tendon;\n"
+    "out vec3 v_normal;\n"
+    "out float v_tendon;\n"
+    "flat out float v_kind;\n"
+    "flat out vec4 v_color;\n"
     "void main()\n"
     "{\n"
-    "    int k = int(a_corner.x);\n"
-    "    v_bary = vec4(k == 0, k == 1, k == 2, k == 3);\n"
-    "    v_place = a_place;\n"
-    "    v_tet = int(a_corner.y);\n"
-    "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
+    "    vec3 place = a_place + u_shift;\n"
+    "    v_normal = u_turn * a_normal;\n"
+    "    v_tendon = a_tendon;\n"
+    "    v_kind = a_kind;\n"
+    "    v_color = vec4(linear(a_color.rgb), a_color.a);\n"
+    "    gl_Position = u_clip * vec4(place, 1.0);\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(place, 1.0));\n"
     "}\n";
 
-/* The ray is eye + (1 + t) (entry - eye). Barycentric coordinates are linear along it, and so is g = f - f_fat. */
 static const char muscle_fs[] =
-    "in vec4 v_bary;\n"
-    "in vec3 v_place;\n"
-    "flat in int v_tet;\n"
-    "uniform samplerBuffer u_tet;\n"
-    "uniform samplerBuffer u_cand;\n"
-    "uniform samplerBuffer u_color;\n"
-    "uniform int u_stride;\n"
+    "in vec3 v_normal;\n"
+    "in float v_tendon;\n"
+    "flat in float v_kind;\n"
+    "flat in vec4 v_color;\n"
     "uniform vec3 u_tendon;\n"
-    "uniform vec2 u_depth;\n"
     "void main()\n"
     "{\n"
-    "    vec4 eye = texelFetch(u_tet, 2 * v_tet);\n"
-    "    vec4 list = texelFetch(u_tet, 2 * v_tet + 1);\n"
-    "    vec4 pace = v_bary - eye;\n"
-    "    float t_in = 0.0, t_out = 1e30;\n"
-    "    // The tet is taken a hair larger: a ray along a shared face is given to one of its tets only, and rounding must not\n"
-    "    // put it wholly into the other.\n"
-    "    for (int k = 0; k < 4; k++)\n"
-    "        if (pace[k] < 0.0) t_out = min(t_out, (max(v_bary[k], 0.0) + 1e-4) / -pace[k]);\n"
-    "    float h = dot(u_plane, vec4(v_place, 1.0)), dh = dot(u_plane.xyz, v_place);\n"
-    "    bool is_cut = false;\n"
-    "    if (h > 0.0) {\n"
-    "        if (dh >= 0.0) discard;\n"
-    "        t_in = -h / dh;\n"
-    "        is_cut = true;\n"
-    "    } else if (dh > 0.0) {\n"
-    "        t_out = min(t_out, -h / dh);\n"
-    "    }\n"
-    "    // A candidate that is above fat at the entry gives the entry itself: the true surface then lies in a tet in front,\n"
-    "    // or was lost by rounding at a shared face, and this closes the gap. At the plane the section is drawn instead.\n"
-    "    float t_hit = t_out, key = -1.0;\n"
-    "    int hit = -1;\n"
-    "    int first = int(list.x), last = first + u_stride * int(list.y);\n"
-    "    for (int c = first; c < last; c += u_stride) {\n"
-    "        vec4 g = texelFetch(u_cand, c);\n"
-    "        float slope = dot(pace, g), start = dot(v_bary, g) + slope * t_in;\n"
-    "        if (start < 0.0 && slope <= 0.0) continue;\n"
-    "        float t = start < 0.0 ? t_in - start / slope : t_in;\n"
-    "        float k = start < 0.0 ? slope : start;\n"
-    "        if (t < t_hit || (t == t_hit && k > key)) {\n"
-    "            t_hit = t;\n"
-    "            key = k;\n"
-    "            hit = c;\n"
-    "        }\n"
-    "    }\n"
-    "    if (hit < 0 || t_in > t_out || (is_cut && t_hit == t_in)) discard;\n"
-    "    vec4 at = clamp(v_bary + t_hit * pace, 0.0, 1.0);\n"
-    "    vec4 n0 = texelFetch(u_cand, hit + 1);\n"
-    "    vec3 n = at.x * n0.xyz + at.y * texelFetch(u_cand, hit + 2).xyz + at.z * texelFetch(u_cand, hit + 3).xyz +\n"
-    "             at.w * texelFetch(u_cand, hit + 4).xyz;\n"
-    "    float w = (1.0 + t_hit) / gl_FragCoord.w;\n"
-    "    gl_FragDepth = clamp(0.5 + 0.5 * (u_depth.x + u_depth.y / w), 0.0, 1.0);\n"
-    "    bool is_tendon = u_stride > 5 && dot(at, texelFetch(u_cand, hit + 5)) > 0.0;\n"
-    "    o_color = is_tendon ? vec4(u_tendon, 0.8) : vec4(texelFetch(u_color, int(n0.w)).rgb, 0.5);\n"
-    "    o_shape = vec4(u_turn * normalize(n + 1e-12 * v_place), 512.0 + mod(n0.w, 512.0));\n"
+    "    float n2 = dot(v_normal, v_normal);\n"
+    "    o_color = v_tendon > 0.0 ? vec4(u_tendon, 0.8) : v_color;\n"
+    "    o_shape = vec4(n2 > 0.0 ? v_normal * inversesqrt(n2) : vec3(0.0, 0.0, 1.0), v_kind);\n"
     "}\n";
 
 /* a_corner: which corner of which triangle. */
@@ -107,7 +69,6 @@ static const char cut_vs[] =
     "layout(location = 0) in vec3 a_place;\n"
     "layout(location = 1) in vec3 a_normal;\n"
     "layout(location = 2) in vec3 a_corner;\n"
-    "uniform float u_is_section;\n"
     "out vec3 v_bary;\n"
     "out vec3 v_normal;\n"
     "flat out int v_face;\n"
@@ -117,8 +78,7 @@ static const char cut_vs[] =
     "    v_bary = vec3(k == 0, k == 1, k == 2);\n"
     "    v_normal = a_normal;\n"
     "    v_face = int(a_corner.y);\n"
-    "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
-    "    gl_ClipDistance[0] = u_is_section > 0.5 ? 1.0 : -dot(u_plane, vec4(a_place, 1.0));\n"
+    "    gl_Position = u_clip * vec4(a_place + u_shift, 1.0);\n"
     "}\n";
 
 static const char cut_fs[] =
@@ -128,7 +88,6 @@ static const char cut_fs[] =
     "uniform samplerBuffer u_face;\n"
     "uniform samplerBuffer u_cand;\n"
     "uniform samplerBuffer u_color;\n"
-    "uniform float u_is_section;\n"
     "uniform vec3 u_fat;\n"
     "uniform int u_stride;\n"
     "uniform vec3 u_tendon;\n"
@@ -146,13 +105,11 @@ static const char cut_fs[] =
     "            hit = c;\n"
     "        }\n"
     "    }\n"
-    "    bool is_section = u_is_section > 0.5;\n"
-    "    if (id < 0.0 && !is_section) discard;\n"
     "    vec3 color = id < 0.0 ? u_fat : texelFetch(u_color, int(id)).rgb;\n"
     "    float kind = id < 0.0 ? 1024.0 : 512.0 + mod(id, 512.0);\n"
     "    bool is_tendon = id >= 0.0 && u_stride > 1 && dot(v_bary, texelFetch(u_cand, hit + 1).xyz) > 0.0;\n"
-    "    o_color = is_tendon ? vec4(u_tendon, is_section ? 0.0 : 0.8) : vec4(color, is_section ? 0.0 : 0.5);\n"
-    "    o_shape = vec4(normalize(u_turn * v_normal), is_section ? -kind : kind);\n"
+    "    o_color = is_tendon ? vec4(u_tendon, 0.0) : vec4(color, 0.0);\n"
+    "    o_shape = vec4(normalize(u_turn * v_normal), -kind);\n"
     "}\n";
 
 static const char solid_vs[] =
@@ -163,10 +120,11 @@ static const char solid_vs[] =
     "out vec3 v_normal;\n"
     "void main()\n"
     "{\n"
-    "    v_place = u_turn * a_place;\n"
+    "    vec3 place = a_place + u_shift;\n"
+    "    v_place = u_turn * place;\n"
     "    v_normal = u_turn * a_normal;\n"
-    "    gl_Position = u_clip * vec4(a_place, 1.0);\n"
-    "    gl_ClipDistance[0] = u_is_section > 0.5 ? 1.0 : -dot(u_plane, vec4(a_place, 1.0));\n"
+    "    gl_Position = u_clip * vec4(place, 1.0);\n"
+    "    gl_ClipDistance[0] = u_is_section > 0.5 ? 1.0 : -dot(u_plane, vec4(place, 1.0));\n"
     "}\n";
 
 static const char solid_fs[] =
@@ -181,15 +139,17 @@ static const char solid_fs[] =
     "    o_shape = vec4(gl_FrontFacing || u_kind < 0.0 ? n : -n, u_kind);\n"
     "}\n";
 
+static const char to_linear[] =
+    "vec3 linear(vec3 c)\n"
+    "{\n"
+    "    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));\n"
+    "}\n";
+
 /* Three lights that move with the eye, a sky above a warm ground. All colours are linear. */
 static const char light[] =
     "const vec3 key_dir = normalize(vec3(-0.50, 0.64, 0.58));\n"
     "const vec3 fill_dir = normalize(vec3(0.86, 0.08, 0.50));\n"
     "const vec3 rim_dir = normalize(vec3(0.35, 0.55, -0.75));\n"
-    "vec3 linear(vec3 c)\n"
-    "{\n"
-    "    return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));\n"
-    "}\n"
     "vec3 ambient(vec3 n)\n"
     "{\n"
     "    return mix(vec3(0.20, 0.16, 0.15), vec3(0.40, 0.41, 0.43), 0.5 + 0.5 * n.y);\n"
@@ -199,11 +159,12 @@ static const char light[] =
     "    return vec3(1.02, 0.96, 0.90) * max(0.0, (dot(n, key_dir) + 0.12) / 1.12) +\n"
     "           vec3(0.20, 0.21, 0.23) * max(0.0, dot(n, fill_dir)) + vec3(0.22, 0.22, 0.24) * max(0.0, dot(n, rim_dir));\n"
     "}\n"
-    "float gleam(vec3 n, vec3 to_eye)\n"
+    "float gleam(vec3 n, vec3 to_eye)\n" // cosines to the powers of 36 and 14
     "{\n"
-    "    float wide = pow(max(0.0, dot(n, normalize(key_dir + to_eye))), 36.0);\n"
-    "    float soft = pow(max(0.0, dot(n, normalize(fill_dir + to_eye))), 14.0);\n"
-    "    return 0.42 * wide + 0.05 * soft;\n"
+    "    float wide = max(0.0, dot(n, normalize(key_dir + to_eye))), soft = max(0.0, dot(n, normalize(fill_dir + to_eye)));\n"
+    "    float wide2 = wide * wide, wide4 = wide2 * wide2, wide8 = wide4 * wide4, wide16 = wide8 * wide8;\n"
+    "    float soft2 = soft * soft, soft4 = soft2 * soft2;\n"
+    "    return 0.42 * (wide16 * wide16 * wide4) + 0.05 * (soft4 * soft4 * soft4 * soft2);\n"
     "}\n";
 
 /* Weighted sums over all layers, in any order: their mean colour, and exactly how much of the ground is seen. */
@@ -220,7 +181,7 @@ static const char skin_fs[] =
     "    float graze = 1.0 - abs(dot(n, to_eye));\n"
     "    float a = mix(u_color.a, 1.0, 0.75 * graze * graze * graze * sqrt(u_color.a));\n"
     "    if (!gl_FrontFacing) a *= 0.3;\n"
-    "    vec3 c = linear(u_color.rgb) * 0.85 * (ambient(n) + direct(n)) + 0.5 * gleam(n, to_eye);\n"
+    "    vec3 c = u_color.rgb * 0.85 * (ambient(n) + direct(n)) + 0.5 * gleam(n, to_eye);\n"
     "    o_sum = vec4(c * a, a);\n"
     "    o_weight = vec4(a, 0.0, 0.0, a);\n"
     "}\n";
@@ -251,12 +212,13 @@ static const char line_vs[] =
     "out vec3 v_place;\n"
     "void main()\n"
     "{\n"
-    "    float w = max((u_clip * vec4(a_centre, 1.0)).w, 0.0);\n"
-    "    vec3 place = a_centre + a_dir * (max(u_radius, u_pixels * u_slope * w) + u_grow * u_slope * w);\n"
+    "    vec3 centre = a_centre + u_shift;\n"
+    "    float w = max((u_clip * vec4(centre, 1.0)).w, 0.0);\n"
+    "    vec3 place = centre + a_dir * (max(u_radius, u_pixels * u_slope * w) + u_grow * u_slope * w);\n"
     "    v_place = u_turn * place;\n"
     "    v_normal = u_turn * a_dir;\n"
     "    gl_Position = u_clip * vec4(place, 1.0);\n"
-    "    gl_ClipDistance[0] = -dot(u_plane, vec4(a_centre, 1.0));\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(centre, 1.0));\n"
     "}\n";
 
 static const char line_fs[] =
@@ -288,20 +250,21 @@ static const char fiber_vs[] =
     "flat out vec3 v_color;\n"
     "void main()\n"
     "{\n"
-    "    float w = max((u_clip * vec4(a_place, 1.0)).w, 0.0), far = max(length(a_place), 1e-20);\n"
+    "    vec3 at = a_place + u_shift;\n"
+    "    float w = max((u_clip * vec4(at, 1.0)).w, 0.0), far = max(length(at), 1e-20);\n"
     "    float r = max(u_radius, u_pixels * u_slope * w);\n"
-    "    vec3 front = -a_place / far, side = cross(a_along, front);\n"
+    "    vec3 front = -at / far, side = cross(a_along, front);\n"
     "    if (dot(side, side) < 1e-10) side = cross(abs(front.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0), front);\n"
     "    side = normalize(side);\n"
     "    vec3 tip = cross(front, side);\n"
-    "    vec3 place = (a_place + r * (a_what.x * side + a_what.y * tip)) * (1.0 - min(0.75 * r / far, 0.5));\n"
+    "    vec3 place = (at + r * (a_what.x * side + a_what.y * tip)) * (1.0 - min(0.75 * r / far, 0.5));\n"
     "    v_at = a_what.xy;\n"
     "    v_side = u_turn * side;\n"
     "    v_tip = u_turn * tip;\n"
     "    v_place = u_turn * place;\n"
     "    v_color = unpack_color(a_what.z);\n"
     "    gl_Position = u_clip * vec4(place, 1.0);\n"
-    "    gl_ClipDistance[0] = -dot(u_plane, vec4(a_place, 1.0));\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(at, 1.0));\n"
     "}\n";
 
 static const char fiber_in[] =
@@ -321,7 +284,7 @@ static const char fiber_fs[] =
     "void main()\n"
     "{\n"
     "    o_shape = vec4(tube_normal(), 1024.0);\n"
-    "    o_color = vec4(v_color, 0.25);\n"
+    "    o_color = vec4(linear(v_color), 0.25);\n"
     "}\n";
 
 static const char fiber_line_fs[] =
@@ -345,13 +308,14 @@ static const char arrow_vs[] =
     "flat out vec3 v_color;\n"
     "void main()\n"
     "{\n"
-    "    float w = max((u_clip * vec4(a_centre, 1.0)).w, 0.0);\n"
-    "    vec3 place = a_centre + a_out * max(a_what.x, u_pixels * u_slope * w) + a_normal * (u_grow * u_slope * w);\n"
+    "    vec3 centre = a_centre + u_shift;\n"
+    "    float w = max((u_clip * vec4(centre, 1.0)).w, 0.0);\n"
+    "    vec3 place = centre + a_out * max(a_what.x, u_pixels * u_slope * w) + a_normal * (u_grow * u_slope * w);\n"
     "    v_place = u_turn * place;\n"
     "    v_normal = u_turn * a_normal;\n"
     "    v_color = unpack_color(a_what.y);\n"
     "    gl_Position = u_clip * vec4(place, 1.0);\n"
-    "    gl_ClipDistance[0] = -dot(u_plane, vec4(a_centre, 1.0));\n"
+    "    gl_ClipDistance[0] = -dot(u_plane, vec4(centre, 1.0));\n"
     "}\n";
 
 static const char arrow_fs[] =
@@ -385,37 +349,48 @@ static const char screen[] =
     "{\n"
     "    return u_depth.y / (2.0 * depth - 1.0 - u_depth.x);\n"
     "}\n"
-    "vec3 place_of(vec2 pixel, float depth)\n"
+    "vec3 place_at(vec2 pixel, float far)\n"
     "{\n"
-    "    return vec3((pixel + u_origin) * u_slope, -1.0) * distance_of(depth);\n"
+    "    return vec3((pixel + u_origin) * u_slope, -1.0) * far;\n"
     "}\n";
 
-/* How much of the sky is hidden: McGuire et al., The Alchemy screen-space ambient obscurance algorithm, HPG 2011. */
+/* How much of the sky is seen, and the distance: McGuire et al., The Alchemy screen-space ambient obscurance algorithm,
+ * HPG 2011. The 12 directions turn by sixteenths from sample to sample; the final pass takes the mean over 16. */
 static const char occlusion_fs[] =
-    "layout(location = 0) out vec4 o_open;\n"
+    "layout(location = 0) out vec2 o_open;\n"
     "uniform float u_radius;\n"
     "uniform float u_max_pixels;\n"
+    "const vec2 spiral[12] = vec2[12](\n" // sqrt((i + 0.5) / 12) at the angle 2.4 i
+    "    vec2(0.2041241, 0.0000000), vec2(-0.2607080, 0.2388123), vec2(0.0399376, -0.4546849),\n"
+    "    vec2(0.3285473, 0.4286296), vec2(-0.6029957, -0.1067529), vec2(0.5712918, -0.3632616),\n"
+    "    vec2(-0.1912204, 0.7107049), vec2(-0.3641984, -0.7016834), vec2(0.7904717, 0.2889426),\n"
+    "    vec2(-0.8225548, 0.3392201), vec2(0.3967831, -0.8470910), vec2(0.2926046, 0.9341926));\n"
     "void main()\n"
     "{\n"
     "    ivec2 here = ivec2(gl_FragCoord.xy);\n"
-    "    float depth = texelFetch(u_depth_map, here, 0).r;\n"
+    "    float far = distance_of(texelFetch(u_depth_map, here, 0).r);\n"
     "    vec4 shape = texelFetch(u_shape, here, 0);\n"
-    "    o_open = vec4(1.0);\n"
+    "    o_open = vec2(1.0, far);\n"
     "    if (shape.w <= 0.0) return;\n"
-    "    vec3 place = place_of(gl_FragCoord.xy, depth), n = shape.xyz;\n"
-    "    float reach = clamp(u_radius / (u_slope * -place.z), 2.0, u_max_pixels);\n"
+    "    vec3 place = place_at(gl_FragCoord.xy, far), n = shape.xyz;\n"
+    "    float reach = clamp(u_radius / (u_slope * far), 2.0, u_max_pixels);\n"
     "    float turn = 0.3927 * float((here.x * 5 + here.y * 9) & 15);\n"
+    "    vec2 along = reach * vec2(cos(turn), sin(turn));\n"
+    "    mat2 spin = mat2(along.x, along.y, -along.y, along.x);\n"
     "    float sum = 0.0, r2 = u_radius * u_radius;\n"
     "    for (int i = 0; i < 12; i++) {\n"
-    "        float a = turn + 2.4 * float(i), r = reach * sqrt((float(i) + 0.5) / 12.0);\n"
-    "        ivec2 there = here + ivec2(round(r * vec2(cos(a), sin(a))));\n"
+    "        ivec2 there = here + ivec2(round(spin * spiral[i]));\n"
     "        if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, u_size))) continue;\n"
-    "        vec3 v = place_of(vec2(there) + 0.5, texelFetch(u_depth_map, there, 0).r) - place;\n"
+    "        vec3 v = place_at(vec2(there) + 0.5, distance_of(texelFetch(u_depth_map, there, 0).r)) - place;\n"
     "        float d2 = dot(v, v), near = max(0.0, 1.0 - d2 / r2);\n"
     "        sum += near * near * max(0.0, dot(v, n) * inversesqrt(d2 + 1e-4 * r2) - 0.08);\n"
     "    }\n"
-    "    o_open = vec4(clamp(1.0 - 2.6 * sum / 12.0, 0.0, 1.0));\n"
+    "    o_open.x = clamp(1.0 - 2.6 * sum / 12.0, 0.0, 1.0);\n"
     "}\n";
+
+/* The parts of the picture in which nothing is solid are drawn without SOLID. */
+static const char with_solid[] =
+    "#define SOLID\n";
 
 static const char final_fs[] =
     "layout(location = 0) out vec4 o_picture;\n"
@@ -433,10 +408,9 @@ static const char final_fs[] =
     "    float sum = 0.0, n = 0.0;\n"
     "    for (int y = -2; y < 2; y++)\n"
     "        for (int x = -2; x < 2; x++) {\n"
-    "            ivec2 p = clamp(here + ivec2(x, y), ivec2(0), u_size - 1);\n"
-    "            float d = distance_of(texelFetch(u_depth_map, p, 0).r);\n"
-    "            float w = abs(d - far) < 0.01 * u_unit ? 1.0 : 0.0;\n"
-    "            sum += w * texelFetch(u_open, p, 0).r;\n"
+    "            vec2 open = texelFetch(u_open, clamp(here + ivec2(x, y), ivec2(0), u_size - 1), 0).rg;\n"
+    "            float w = abs(open.y - far) < 0.01 * u_unit ? 1.0 : 0.0;\n"
+    "            sum += w * open.x;\n"
     "            n += w;\n"
     "        }\n"
     "    return n > 0.0 ? sum / n : 1.0;\n"
@@ -450,7 +424,7 @@ static const char final_fs[] =
     "        ivec2 p = here + ((k & 2) == 0 ? 1 : -1) * ((u_samples + 1) / 2) * step;\n"
     "        if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, u_size))) continue;\n"
     "        float kind = texelFetch(u_shape, p, 0).w;\n"
-    "        vec3 v = place_of(vec2(p) + 0.5, texelFetch(u_depth_map, p, 0).r) - place;\n"
+    "        vec3 v = place_at(vec2(p) + 0.5, texelFetch(u_open, p, 0).g) - place;\n"
     "        bool is_flat = shape.w < 0.0 && kind < 0.0;\n"
     "        if (kind != shape.w && shape.w < 1024.0 && (is_flat || v.z < 0.002 * u_unit)) line = max(line, is_flat ? 0.72 : 0.5);\n"
     "        float rise = dot(v, shape.xyz) / u_unit;\n"
@@ -462,14 +436,16 @@ static const char final_fs[] =
     "void main()\n"
     "{\n"
     "    ivec2 here = ivec2(gl_FragCoord.xy);\n"
-    "    float depth = texelFetch(u_depth_map, here, 0).r;\n"
-    "    vec4 shape = texelFetch(u_shape, here, 0), c = vec4(0.0);\n"
+    "    vec4 c = vec4(0.0);\n"
+    "#ifdef SOLID\n"
+    "    vec4 shape = texelFetch(u_shape, here, 0);\n"
+    "    float far = texelFetch(u_open, here, 0).g;\n"
     "    if (shape.w != 0.0) {\n"
     "        vec4 paint = texelFetch(u_color, here, 0);\n"
-    "        vec3 place = place_of(gl_FragCoord.xy, depth), n = shape.xyz, to_eye = normalize(-place);\n"
-    "        vec3 albedo = linear(paint.rgb);\n"
+    "        vec3 place = place_at(gl_FragCoord.xy, far), n = shape.xyz, to_eye = normalize(-place);\n"
+    "        vec3 albedo = paint.rgb;\n"
     "        if (shape.w > 0.0) {\n"
-    "            float open = open_sky(here, -place.z);\n"
+    "            float open = open_sky(here, far);\n"
     "            vec3 bounce = mix(albedo, vec3(1.0), open); // what hides the sky sends back its own colour\n"
     "            c.rgb = albedo * bounce * open * (ambient(n) + mix(0.55, 1.0, open) * direct(n));\n"
     "            c.rgb += paint.a * open * gleam(n, to_eye);\n"
@@ -479,6 +455,7 @@ static const char final_fs[] =
     "        c.rgb *= 1.0 - outline(here, shape, place);\n"
     "        c.a = 1.0;\n"
     "    }\n"
+    "#endif\n"
     "    if (u_show.x > 0.5) {\n"
     "        vec4 sum = texelFetch(u_skin_sum, here, 0);\n"
     "        float weight = texelFetch(u_skin_weight, here, 0).r;\n"
@@ -487,13 +464,16 @@ static const char final_fs[] =
     "    if (u_show.y > 0.5) {\n"
     "        vec4 line = texelFetch(u_line, here, 0);\n"
     "        float d = texelFetch(u_line_depth, here, 0).r;\n"
-    "        bool is_hidden = distance_of(d) > distance_of(depth) + 1e-4 * u_unit;\n"
+    "        bool is_hidden = false;\n"
+    "#ifdef SOLID\n"
+    "        is_hidden = distance_of(d) > far + 1e-4 * u_unit;\n"
+    "#endif\n"
     "        c = mix(c, vec4(line.rgb, 1.0), line.a * (is_hidden ? 0.42 : 1.0));\n"
     "    }\n"
     "    o_picture = c;\n"
     "}\n";
 
-const char *const sn_shader_muscle_vs[] = {version, frame, muscle_vs, NULL};
+const char *const sn_shader_muscle_vs[] = {version, frame, to_linear, muscle_vs, NULL};
 const char *const sn_shader_muscle_fs[] = {version, solid_out, muscle_fs, NULL};
 const char *const sn_shader_cut_vs[] = {version, frame, cut_vs, NULL};
 const char *const sn_shader_cut_fs[] = {version, solid_out, cut_fs, NULL};
@@ -501,13 +481,14 @@ const char *const sn_shader_solid_vs[] = {version, frame, solid_vs, NULL};
 const char *const sn_shader_solid_fs[] = {version, solid_out, solid_fs, NULL};
 const char *const sn_shader_skin_fs[] = {version, light, skin_fs, NULL};
 const char *const sn_shader_line_vs[] = {version, frame, line_vs, NULL};
-const char *const sn_shader_line_fs[] = {version, light, line_light, line_fs, NULL};
+const char *const sn_shader_line_fs[] = {version, light, to_linear, line_light, line_fs, NULL};
 const char *const sn_shader_fiber_vs[] = {version, frame, unpack, fiber_vs, NULL};
-const char *const sn_shader_fiber_fs[] = {version, solid_out, fiber_in, fiber_fs, NULL};
-const char *const sn_shader_fiber_line_fs[] = {version, light, line_light, fiber_in, fiber_line_fs, NULL};
+const char *const sn_shader_fiber_fs[] = {version, solid_out, to_linear, fiber_in, fiber_fs, NULL};
+const char *const sn_shader_fiber_line_fs[] = {version, light, to_linear, line_light, fiber_in, fiber_line_fs, NULL};
 const char *const sn_shader_arrow_vs[] = {version, frame, unpack, arrow_vs, NULL};
-const char *const sn_shader_arrow_fs[] = {version, light, line_light, arrow_fs, NULL};
+const char *const sn_shader_arrow_fs[] = {version, light, to_linear, line_light, arrow_fs, NULL};
 const char *const sn_shader_screen_vs[] = {version, screen_vs, NULL};
 const char *const sn_shader_occlusion_fs[] = {version, screen, occlusion_fs, NULL};
-const char *const sn_shader_final_fs[] = {version, screen, light, final_fs, NULL};
+const char *const sn_shader_final_fs[] = {version, with_solid, screen, light, final_fs, NULL};
+const char *const sn_shader_final_rest_fs[] = {version, screen, light, final_fs, NULL};
 /* clang-format on */

@@ -19,5 +19,6 @@ extern const char *const sn_shader_arrow_fs[];
 extern const char *const sn_shader_screen_vs[]; /* one triangle over the tile                             */
 extern const char *const sn_shader_occlusion_fs[];
 extern const char *const sn_shader_final_fs[]; /* light, outlines, skin and curves into one picture      */
+extern const char *const sn_shader_final_rest_fs[]; /* the same where nothing solid is                     */
 
 #endif

@@ -49,7 +49,13 @@ const sn_tri_mesh *sn_scene_bone_mesh(const sn_scene *s, int32_t i_bone);
 SN_MUST_USE sn_status sn_scene_find_bone(const sn_scene *s, const char *name, int32_t *i_bone, sn_error *err);
 
 /* ---- body ---- */
-/* Meshes the body now with these options, which also later re-meshing uses. report: NULL to skip. */
+/* Meshes the body now with these options, which also later re-meshing uses. report: NULL to skip.
+ *
+ * opt->is_adaptive: the edge lengths are those of places where tissues meet, in the fat or among muscles, and
+ * of the curves; away from them they grow up to SN_BODY_COARSEST times. Where that is comes from a first mesh
+ * that is fine at the curves only, on which the muscles as they are now are solved. The mesh then stays until
+ * the next call: muscles that are moved far into its coarse regions are less exact. opt->sizing must be NULL.
+ * Errors besides: SN_EINVAL (adaptive, and no muscles). */
 SN_MUST_USE sn_status sn_scene_tetrahedralize(sn_scene *s, const sn_body_options *opt, const sn_run *run,
                                               sn_body_report *report, sn_error *err);
 const sn_body *sn_scene_body(const sn_scene *s); /* NULL: not meshed, or stale */

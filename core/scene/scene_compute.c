@@ -10,32 +10,70 @@
 
 /* ---- body ---- */
 
-static sn_status build_body(sn_scene *s, const sn_body_options *asked, const sn_run *run, sn_error *err)
+/* The scene takes over the body, or is left as it is. */
+static sn_status adopt_body(sn_scene *s, sn_body *body, const sn_body_report *report, sn_error *err)
 {
-    sn_body_options cut = *asked, *opt = &cut;
-    cut.has_cut = s->has_cut;
-    cut.cut_point = s->cut_point;
-    cut.cut_normal = s->cut_normal;
-    if (s->skin.n_face == 0) return sn_fail(err, SN_EINVAL, "the scene has no skin: set_skin first");
+    sn_locator *locator = NULL;
+    sn_body before = s->body;
+    s->body = *body; /* the locator keeps the address */
+    sn_status st = sn_locator_create(&locator, &s->body.mesh, err);
+    if (st) {
+        s->body = before;
+        sn_body_free(body);
+        return st;
+    }
+    sn_scene_stale_body(s);
+    sn_body_free(&before);
+    s->locator = locator;
+    s->body_report = *report;
+    s->has_body = true;
+    return SN_OK;
+}
+
+static sn_status build_even(sn_scene *s, const sn_body_options *opt, const sn_run *run, sn_body *body,
+                            sn_body_report *report, sn_error *err)
+{
     sn_named_surface *bone = SN_NEW(sn_named_surface, s->n_bone);
     if (!bone) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) bone[i] = (sn_named_surface){s->bone[i].name, &s->bone[i].mesh};
-    sn_body body;
-    sn_body_report report;
-    sn_body_init(&body);
-    sn_locator *locator = NULL;
-    sn_status st = sn_body_build(&s->skin, bone, s->n_bone, opt, run, &body, &report, &s->notes, err);
+    sn_status st = sn_body_build(&s->skin, bone, s->n_bone, opt, run, body, report, &s->notes, err);
     sn_release(bone);
+    return st;
+}
+
+static sn_status build_adaptive(sn_scene *s, sn_body_options opt, const sn_run *run, sn_body *body,
+                                sn_body_report *report, sn_error *err)
+{
+    sn_sizing sizing = {.length = NULL};
+    int32_t n_coarse_tet = 0;
+    double start = sn_clock();
+    sn_status st = sn_scene_find_sizing(s, &opt, run, &sizing, &n_coarse_tet, err);
+    double seconds = sn_clock() - start;
+    opt.sizing = &sizing;
+    if (!st) st = build_even(s, &opt, run, body, report, err);
+    report->n_coarse_tet = n_coarse_tet;
+    report->seconds_coarse = seconds;
+    report->seconds += seconds;
+    sn_sizing_free(&sizing);
+    return st;
+}
+
+static sn_status build_body(sn_scene *s, const sn_body_options *asked, const sn_run *run, sn_error *err)
+{
+    sn_body_options opt = *asked;
+    opt.has_cut = s->has_cut;
+    opt.cut_point = s->cut_point;
+    opt.cut_normal = s->cut_normal;
+    if (s->skin.n_face == 0) return sn_fail(err, SN_EINVAL, "the scene has no skin: set_skin first");
+    sn_body body;
+    sn_body_report report = {0};
+    sn_body_init(&body);
+    sn_status st = opt.is_adaptive ? build_adaptive(s, opt, run, &body, &report, err)
+                                   : build_even(s, &opt, run, &body, &report, err);
+    if (!st) st = adopt_body(s, &body, &report, err);
     if (st) return st;
-    sn_scene_stale_body(s);
-    sn_body_free(&s->body);
-    s->body = body;
-    s->body_report = report;
-    st = sn_locator_create(&locator, &s->body.mesh, err);
-    if (st) return st;
-    s->locator = locator;
-    s->body_options = *opt;
-    s->has_options = s->has_body = true;
+    s->body_options = opt;
+    s->has_options = true;
     return SN_OK;
 }
 

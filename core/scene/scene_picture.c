@@ -1,8 +1,9 @@
-/* What a picture of the scene shows. */
+/* What a picture of the scene shows, and what the next picture can use again. */
 #include "scene/scene.h"
 
 #include "base/alloc.h"
 #include "field/measure.h"
+#include "render/painter.h"
 #include "scene/scene_private.h"
 
 #include <string.h>
@@ -191,23 +192,99 @@ static sn_status make_fibers(sn_scene *s, int32_t n, drawing *d, const sn_run *r
 
 /* ---- the whole ---- */
 
-static sn_status make_drawing(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber, const sn_run *run,
-                              drawing *d, sn_error *err)
+/* What the drawing was made of; with equal ones it is the same. */
+typedef struct view_key {
+    uint64_t revision, shapes, fields;
+    int32_t n_fiber;
+    bool show_frames, show_fibers, has_tendons, has_fields;
+} view_key;
+
+/* Stays with the scene from picture to picture. */
+typedef struct scene_view {
+    sn_painter *painter;
+    drawing drawing;
+    view_key key;
+    bool has_drawing;
+    uint64_t n_drawing; /* made so far */
+} scene_view;
+
+static void drop_drawing(scene_view *v)
 {
-    bool has_fields = s->n_muscle > 0 && sn_scene_picture_fields(s);
+    free_drawing(&v->drawing);
+    v->drawing = (drawing){0};
+    sn_polylines_init(&v->drawing.lines, false);
+    v->has_drawing = false;
+}
+
+void sn_scene_free_view(sn_scene *s)
+{
+    if (!s->view) return;
+    drop_drawing(s->view);
+    sn_painter_destroy(s->view->painter);
+    sn_release(s->view);
+    s->view = NULL;
+}
+
+static sn_status need_view(sn_scene *s, sn_error *err)
+{
+    if (s->view) return SN_OK;
+    scene_view *v = SN_NEW_ZERO(scene_view, 1);
+    if (!v) return sn_scene_no_memory(err);
+    drop_drawing(v);
+    sn_status st = sn_painter_create(&v->painter, err);
+    if (st)
+        sn_release(v);
+    else
+        s->view = v;
+    return st;
+}
+
+static sn_status make_drawing(sn_scene *s, const view_key *k, const sn_run *run, drawing *d, sn_error *err)
+{
     d->bone = SN_NEW(const sn_tri_mesh *, s->n_bone);
     if (!d->bone) return sn_scene_no_memory(err);
     for (int32_t i = 0; i < s->n_bone; i++) /* nothing may be left of it in a half model */
         if (sn_scene_bone_mesh(s, i)->n_face > 0) d->bone[d->n_bone++] = sn_scene_bone_mesh(s, i);
     sn_status st = make_curves(s, d, err);
-    if (!st && opt->show_frames) st = make_frames(s, d, err);
-    if (!st && has_fields && (opt->show_muscles || opt->has_clip)) st = make_tendons(s, d, run, err);
-    if (!st && has_fields && opt->show_fibers) st = make_fibers(s, n_fiber, d, run, err);
+    if (!st && k->show_frames) st = make_frames(s, d, err);
+    if (!st && k->has_tendons) st = make_tendons(s, d, run, err);
+    if (!st && k->has_fields && k->show_fibers) st = make_fibers(s, k->n_fiber, d, run, err);
     return st;
 }
 
-static void show_drawing(const sn_scene *s, const drawing *d, sn_picture_scene *p)
+/* Fibers are of an extraction, which may solve. */
+static sn_status need_drawing(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber, const sn_run *run,
+                              sn_error *err)
 {
+    scene_view *v = s->view;
+    bool has_fields = s->n_muscle > 0 && sn_scene_picture_fields(s);
+    view_key k;
+    memset(&k, 0, sizeof k);
+    k.has_fields = has_fields;
+    k.has_tendons = has_fields && (opt->show_muscles || opt->has_clip);
+    k.show_frames = opt->show_frames;
+    k.show_fibers = opt->show_fibers;
+    k.n_fiber = opt->show_fibers ? n_fiber : 0;
+    k.revision = s->revision;
+    k.shapes = s->shape_revision;
+    k.fields = s->field_revision;
+    if (v->has_drawing && memcmp(&v->key, &k, sizeof k) == 0) return SN_OK;
+    drop_drawing(v);
+    sn_status st = make_drawing(s, &k, run, &v->drawing, err);
+    if (st) {
+        drop_drawing(v);
+        return st;
+    }
+    k.fields = s->field_revision;
+    v->key = k;
+    v->has_drawing = true;
+    v->n_drawing++;
+    return SN_OK;
+}
+
+static void show_drawing(const sn_scene *s, const scene_view *v, sn_picture_scene *p)
+{
+    const drawing *d = &v->drawing;
     p->bone = d->bone;
     p->n_bone = d->n_bone;
     p->skin = sn_scene_skin(s);
@@ -219,24 +296,26 @@ static void show_drawing(const sn_scene *s, const drawing *d, sn_picture_scene *
     p->n_fiber = (int32_t)d->lines.n_line;
     p->tendon = (const float *const *)d->tendon;
     p->unit = sn_box3_diagonal(sn_scene_bounds(s));
+    /* Both numbers of the sum only grow: it is another one when either is. */
+    p->stamp = (sn_picture_stamps){.shapes = 1 + s->shape_revision,
+                                   .fields = 1 + s->field_revision + s->revision,
+                                   .curves = v->n_drawing};
 }
 
 sn_status sn_scene_render(sn_scene *s, const sn_picture_options *opt, int32_t n_fiber, const sn_run *run,
                           sn_image *out, sn_picture_stats *stats, sn_error *err)
 {
-    drawing d = {0};
-    sn_polylines_init(&d.lines, false);
     sn_picture_scene p = {0};
     bool wants_fields = (opt->show_muscles || opt->show_fibers || opt->has_clip) && s->n_muscle > 0;
-    sn_status st = wants_fields && !sn_scene_picture_fields(s) ? sn_scene_solve(s, run, NULL, err) : SN_OK;
-    if (!st) st = make_drawing(s, opt, n_fiber, run, &d, err);
-    if (!st) show_drawing(s, &d, &p);
-    if (!st && wants_fields) {
+    sn_status st = need_view(s, err);
+    if (!st && wants_fields && !sn_scene_picture_fields(s)) st = sn_scene_solve(s, run, NULL, err);
+    if (!st) st = need_drawing(s, opt, n_fiber, run, err);
+    if (st) return st;
+    show_drawing(s, s->view, &p);
+    if (wants_fields) {
         p.tets = &s->body.mesh;
         p.field = s->field;
         p.n_tissue = 1 + s->n_muscle;
     }
-    if (!st) st = sn_picture_draw(&p, opt, run, out, stats, err);
-    free_drawing(&d);
-    return st;
+    return sn_painter_draw(s->view->painter, &p, opt, run, out, stats, err);
 }

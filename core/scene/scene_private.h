@@ -89,6 +89,11 @@ void sn_scene_stale_field(sn_scene *s, int32_t i_muscle); /* tissue values; -1: 
 /* ---- what the steps need ---- */
 SN_MUST_USE sn_status sn_scene_no_memory(sn_error *err);
 SN_MUST_USE sn_status sn_scene_need_body(sn_scene *s, const sn_run *run, bool *was_meshed, sn_error *err);
+/* How long the edges of an adaptive mesh should be, by the muscles as they are (scene_adaptive.c); in the unit
+ * box of the skin. out: zero-initialised. Errors: SN_EINVAL (options; no muscles), and those of meshing,
+ * solving and extracting. */
+SN_MUST_USE sn_status sn_scene_find_sizing(const sn_scene *s, const sn_body_options *opt, const sn_run *run,
+                                           sn_sizing *out, int32_t *n_coarse_tet, sn_error *err);
 SN_MUST_USE sn_status sn_scene_need_paths(scene_muscle *m, sn_error *err);
 /* Scales the muscles whose volumes are to be kept. The fields are solved. */
 SN_MUST_USE sn_status sn_scene_keep_volumes(sn_scene *s, const sn_run *run, sn_error *err);

@@ -47,7 +47,8 @@ sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin, 
     *out = *opt;
     if (out->edge_length == 0.0) out->edge_length = sn_box3_diagonal(sn_tri_mesh_bounds(skin)) / 80.0;
     if (out->bone_edge_length == 0.0) out->bone_edge_length = out->edge_length;
-    if (out->max_volume == 0.0) out->max_volume = 0.35 * pow(out->edge_length, 3.0);
+    double longest = opt->sizing ? SN_BODY_COARSEST * out->edge_length : out->edge_length;
+    if (out->max_volume == 0.0) out->max_volume = SN_BODY_SIZE_VOLUME * pow(longest, 3.0);
     if (out->radius_edge == 0.0) out->radius_edge = 1.414;
     if (out->time_limit == 0.0) out->time_limit = 300.0;
     if (out->memory_limit == 0) out->memory_limit = (size_t)6 << 30;
@@ -322,14 +323,16 @@ static sn_status build_in_unit_box(const sn_tri_mesh *skin, const sn_named_surfa
     return st;
 }
 
-/* The unit box: the skin's box diagonal is 1. The snapping grid there is far coarser than rounding, so a body
- * in metres and the same one in millimetres give the same coordinates, and so the same tets. */
-typedef struct unit_box {
-    sn_vec3 origin;
-    double size;
-} unit_box;
+/* The snapping grid in the unit box is far coarser than rounding, so a body in metres and the same one in
+ * millimetres give the same coordinates, and so the same tets. */
+sn_unit_box sn_body_unit_box(const sn_tri_mesh *skin)
+{
+    sn_box3 box = sn_tri_mesh_bounds(skin);
+    double size = sn_box3_diagonal(box);
+    return (sn_unit_box){box.min, size > 0.0 && isfinite(size) ? size : 1.0};
+}
 
-static sn_status into_unit_box(const unit_box *u, const sn_tri_mesh *in, sn_tri_mesh *out, sn_error *err)
+static sn_status into_unit_box(const sn_unit_box *u, const sn_tri_mesh *in, sn_tri_mesh *out, sn_error *err)
 {
     sn_status st = sn_tri_mesh_copy(out, in, err);
     for (int32_t v = 0; !st && v < out->n_vert; v++)
@@ -339,7 +342,7 @@ static sn_status into_unit_box(const unit_box *u, const sn_tri_mesh *in, sn_tri_
 }
 
 /* Lengths in single precision: the last bits of a quotient must not decide. */
-static sn_body_options options_in_unit_box(const unit_box *u, const sn_body_options *opt)
+static sn_body_options options_in_unit_box(const sn_unit_box *u, const sn_body_options *opt)
 {
     sn_body_options o = *opt;
     o.edge_length = (double)(float)(o.edge_length / u->size);
@@ -349,7 +352,7 @@ static sn_body_options options_in_unit_box(const unit_box *u, const sn_body_opti
     return o;
 }
 
-static void out_of_unit_box(const unit_box *u, sn_body *b, sn_body_report *r)
+static void out_of_unit_box(const sn_unit_box *u, sn_body *b, sn_body_report *r)
 {
     double cube = u->size * u->size * u->size;
     for (int32_t v = 0; v < b->mesh.n_vert; v++) {
@@ -370,9 +373,7 @@ sn_status sn_body_build(const sn_tri_mesh *skin, const sn_named_surface *bone, i
     sn_body_report r = {0};
     sn_tri_mesh *mesh = SN_NEW_ZERO(sn_tri_mesh, n_bone + 1); /* the bones, then the skin */
     sn_named_surface *named = SN_NEW(sn_named_surface, n_bone);
-    sn_box3 box = sn_tri_mesh_bounds(skin);
-    double size = sn_box3_diagonal(box);
-    unit_box u = {box.min, size > 0.0 && isfinite(size) ? size : 1.0};
+    sn_unit_box u = sn_body_unit_box(skin);
     sn_body_free(out);
     sn_status st =
         mesh && named ? sn_body_defaults(opt, skin, &full, err) : sn_fail(err, SN_ENOMEM, "body: no memory");

@@ -8,6 +8,7 @@
 
 #include "base/notes.h"
 #include "base/run.h"
+#include "mesh/sizing.h"
 #include "mesh/tet_mesh.h"
 
 #include <stdbool.h>
@@ -40,6 +41,9 @@ static inline int32_t sn_body_bone(const sn_body *b, int32_t across)
     return i_bone >= 0 && i_bone < b->n_bone ? i_bone : -1;
 }
 
+#define SN_BODY_COARSEST 3.0 /* with a sizing: how much longer than their targets edges of the surfaces get  \
+                              */
+
 void sn_body_init(sn_body *b);
 void sn_body_free(sn_body *b);
 
@@ -50,7 +54,11 @@ typedef struct sn_body_options { /* zero-initialised = the defaults in brackets 
     double radius_edge;      /* bound on circumradius over shortest edge, >= 1.1 [1.414]                  */
     double time_limit;   /* seconds for the whole of it [300]                                              */
     size_t memory_limit; /* bytes for the mesher [6 GiB]                                              */
-    bool has_cut;        /* half model: only what is on the side of the plane that the normal points to */
+    bool is_adaptive;    /* of a scene: see sn_scene_tetrahedralize                               */
+    const sn_sizing *sizing; /* lengths from place to place, in the unit box; NULL: the same everywhere.
+                                Borrowed. Where it is longer than the targets above these grow with it, up to
+                                SN_BODY_COARSEST times; then max_volume is 0.35 of its cube.           */
+    bool has_cut;            /* half model: only what is on the side of the plane that the normal points to */
     sn_vec3 cut_point, cut_normal;
 } sn_body_options;
 
@@ -66,12 +74,25 @@ typedef struct sn_body_report {
     double min_dihedral_deg, max_dihedral_deg;
     double share_below_10_deg; /* tets with a dihedral angle below 10 degrees, 0..1                         */
     double seconds_surface, seconds_tets, seconds;
+    int32_t n_coarse_tet;  /* of an adaptive mesh: tets of the mesh that found where to be fine; else 0 */
+    double seconds_coarse; /* for that, all of it; counted in `seconds`                                 */
 } sn_body_report;
 
 typedef struct sn_named_surface {
     const char *name;        /* for messages, borrowed */
     const sn_tri_mesh *mesh; /* borrowed               */
 } sn_named_surface;
+
+/* Checks the options and fills in the defaults. Errors: SN_EINVAL. */
+SN_MUST_USE sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin,
+                                       sn_body_options *out, sn_error *err);
+
+/* The unit box: places are (p - origin) / size, so that the skin's box starts at 0 and has the diagonal 1. */
+typedef struct sn_unit_box {
+    sn_vec3 origin;
+    double size;
+} sn_unit_box;
+sn_unit_box sn_body_unit_box(const sn_tri_mesh *skin);
 
 /* Builds the tet mesh. Surfaces that turn inwards are turned, corners rounded by up to 2e-12 of the skin's
  * box diagonal and equal ones welded. out: init-ed; empty on error. report, notes: NULL to skip.

@@ -4,6 +4,9 @@
 
 #include "tetra/body.h"
 
+#define SN_BODY_SIZE_VOLUME                                                                                  \
+    0.35 /* of the cube of the edge length: no tet is larger, if nothing else is said */
+
 /* Checks and prepares one surface: corners rounded to multiples of grid, welded, outward. out: init-ed.
  * crossing receives the first pair of faces that cross, -1 when none do. */
 SN_MUST_USE sn_status sn_body_prepare(const sn_tri_mesh *in, const char *kind, const char *name, double grid,
@@ -25,8 +28,4 @@ SN_MUST_USE sn_status sn_body_tets(const sn_tri_mesh *surface, const sn_body_opt
  * cutting walk through them in this order. face: n_face x 3 vertices of m, renumbered along. Errors:
  * SN_ENOMEM. */
 SN_MUST_USE sn_status sn_body_sort(sn_tet_mesh *m, int32_t *face, int32_t n_face, sn_error *err);
-/* Fills in the defaults. */
-SN_MUST_USE sn_status sn_body_defaults(const sn_body_options *opt, const sn_tri_mesh *skin,
-                                       sn_body_options *out, sn_error *err);
-
 #endif

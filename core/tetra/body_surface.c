@@ -290,6 +290,8 @@ static sn_status remesh(const sn_tri_mesh *in, const sn_body_options *opt, int32
     sn_remesh r = {.edge_length = opt->edge_length,
                    .label_length = length,
                    .n_label = n_bone + 1,
+                   .sizing = opt->sizing,
+                   .coarsest = SN_BODY_COARSEST,
                    .max_deviation = 0.08};
     sn_remesh_report rr = {0};
     sn_status st = SN_OK;

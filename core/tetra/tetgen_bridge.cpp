@@ -10,7 +10,8 @@
 #define TETLIBRARY
 #include <tetgen.h>
 
-namespace {
+namespace
+{
 
 template <class T> T *copy_array(const T *from, size_t n)
 {
@@ -61,16 +62,39 @@ void read_output(const tetgenio &io, sn_tetgen_result *out)
     for (int32_t f = 0; f < out->n_face; f++) out->face_label[f] -= 1;
 }
 
+/* TetGen asks a plain function whether a tet is too large. */
+struct size_bound {
+    const sn_sizing *sizing;
+    double volume;
+};
+thread_local size_bound bound;
+
+bool is_too_large(REAL *a, REAL *b, REAL *c, REAL *d, REAL *, REAL)
+{
+    sn_vec3 o = sn_v3_load(a), p = sn_v3_sub(sn_v3_load(b), o), q = sn_v3_sub(sn_v3_load(c), o),
+            r = sn_v3_sub(sn_v3_load(d), o);
+    double volume = std::fabs(sn_v3_det(p, q, r)) / 6.0;
+    double length = sn_sizing_at(bound.sizing, sn_v3_mad(o, 0.25, sn_v3_add(sn_v3_add(p, q), r)));
+    return volume > bound.volume * length * length * length;
+}
+
 const char *reason(int code)
 {
     switch (code) {
-    case 1: return "out of memory";
-    case 2: return "an internal error";
-    case 3: return "faces that cross each other";
-    case 4: return "features smaller than its tolerance";
-    case 5: return "two faces that almost lie on each other";
-    case 10: return "unusable input";
-    default: return "an unknown error";
+    case 1:
+        return "out of memory";
+    case 2:
+        return "an internal error";
+    case 3:
+        return "faces that cross each other";
+    case 4:
+        return "features smaller than its tolerance";
+    case 5:
+        return "two faces that almost lie on each other";
+    case 10:
+        return "unusable input";
+    default:
+        return "an unknown error";
     }
 }
 
@@ -85,8 +109,9 @@ void sn_tetgen_result_free(sn_tetgen_result *r)
     memset(r, 0, sizeof *r);
 }
 
-sn_status sn_tetgen(const sn_tri_mesh *surface, const double *hole, int32_t n_hole, const sn_tetgen_options *opt,
-                    sn_tetgen_result *out, sn_error *err)
+sn_status sn_tetgen(const sn_tri_mesh *surface, const double *hole, int32_t n_hole,
+                    const sn_tetgen_options *opt, const sn_sizing *sizing, sn_tetgen_result *out,
+                    sn_error *err)
 {
     char switches[128];
     memset(out, 0, sizeof *out);
@@ -96,12 +121,15 @@ sn_status sn_tetgen(const sn_tri_mesh *surface, const double *hole, int32_t n_ho
     try {
         tetgenio in, result;
         fill_input(in, *surface, hole, n_hole);
+        bound = {sizing, opt->size_volume};
+        if (sizing) in.tetunsuitable = is_too_large;
         tetrahedralize(switches, &in, &result);
         read_output(result, out);
         return SN_OK;
     } catch (int code) {
         sn_tetgen_result_free(out);
-        return sn_fail(err, code == 1 ? SN_ENOMEM : SN_EMESH, "TetGen stopped at %s (code %d)", reason(code), code);
+        return sn_fail(err, code == 1 ? SN_ENOMEM : SN_EMESH, "TetGen stopped at %s (code %d)", reason(code),
+                       code);
     } catch (const std::bad_alloc &) {
         sn_tetgen_result_free(out);
         return sn_fail(err, SN_ENOMEM, "TetGen ran out of memory");

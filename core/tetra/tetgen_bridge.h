@@ -3,6 +3,7 @@
 #ifndef SN_TETRA_TETGEN_BRIDGE_H
 #define SN_TETRA_TETGEN_BRIDGE_H
 
+#include "mesh/sizing.h"
 #include "mesh/tet_mesh.h"
 
 SN_BEGIN_DECLS
@@ -11,6 +12,7 @@ typedef struct sn_tetgen_options {
     double radius_edge;      /* bound on circumradius over shortest edge, > 1; TetGen's -q            */
     double min_dihedral_deg; /* wished, not promised; -q's second figure                            */
     double max_volume;       /* of a tet, in the cube of the input's unit; 0: no bound; -a            */
+    double size_volume;      /* with a sizing: bound on a tet's volume over the cube of the length there  */
 } sn_tetgen_options;
 
 typedef struct sn_tetgen_result { /* arrays by malloc, free with sn_tetgen_result_free */
@@ -24,9 +26,11 @@ void sn_tetgen_result_free(sn_tetgen_result *r);
 
 /* Constrained Delaunay tets inside the labelled closed surface, refined.
  *   hole    n_hole x 3: a point in every cavity
+ *   sizing  lengths from place to place, NULL: none; not by two threads at a time
  * Errors: SN_EMESH with TetGen's reason, SN_ENOMEM. *out is then empty. */
 SN_MUST_USE sn_status sn_tetgen(const sn_tri_mesh *surface, const double *hole, int32_t n_hole,
-                                const sn_tetgen_options *opt, sn_tetgen_result *out, sn_error *err);
+                                const sn_tetgen_options *opt, const sn_sizing *sizing, sn_tetgen_result *out,
+                                sn_error *err);
 
 SN_END_DECLS
 

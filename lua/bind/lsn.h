@@ -18,6 +18,7 @@
 #include "mesh/shape.h"
 #include "mesh/tri_mesh.h"
 #include "render/camera.h"
+#include "render/context.h"
 #include "render/image.h"
 #include "scene/scene.h"
 #include "scene/scene_bones.h"
@@ -43,6 +44,7 @@ int luaopen_sinew(lua_State *L); /* the module table `sinew` */
 /* ---- the state around the bindings: made by luaopen_sinew, used by the program ---- */
 typedef struct lsn_state {
     sn_run run; /* threads, cancel flag, deadline, progress: set by the program                         */
+    sn_renderer renderer; /* what pictures are drawn with unless they say                               */
     void (*warn)(void *user, const char *line); /* receives every warning line; NULL: dropped           */
     void *warn_user;
     int64_t n_warning;

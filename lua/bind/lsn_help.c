@@ -156,11 +156,13 @@ static const help scenes[] = {
      "their names; axes are made orthonormal, those of space when not given"},
     {"scene:remove_joint", "scene:remove_joint(name)"},
     {"scene:joints", "scene:joints() -> list of {name=, parent=, child=, center=, axes=}"},
-    {"scene:tetrahedralize", "scene:tetrahedralize{edge_length=, bone_edge_length=, max_volume=, "
-                             "radius_edge=1.414, time_limit=300} -> {vertices=, "
-                             "tets=, seconds=, ...}  fills the soft tissue between skin and bones with tets; "
-                             "edge_length is 1/80 of the skin's "
-                             "diagonal when not given"},
+    {"scene:tetrahedralize",
+     "scene:tetrahedralize{edge_length=, bone_edge_length=, adaptive=false, max_volume=, radius_edge=1.414, "
+     "time_limit=300} -> {vertices=, tets=, seconds=, ...}  fills the soft tissue between skin and bones with "
+     "tets; edge_length is 1/80 of the skin's diagonal when not given. adaptive: these lengths where muscles "
+     "meet each other or the fat and along their curves, up to three times longer ones elsewhere: a third of the "
+     "tets or fewer, for a first mesh and a solve more. The muscles must be there. The mesh stays when they are "
+     "edited: one that moves far out of where it is fine is less exact until tetrahedralize is called again"},
     {"scene:set_fat", "scene:set_fat(value)  tissue value of fat on the skin, 0.2 at first"},
     {"scene:fat", "scene:fat() -> value"},
     {"scene:set_alpha", "scene:set_alpha(value)  weight of the curves against smoothness, 5 at first"},

@@ -50,6 +50,19 @@ static void read_clip(lua_State *L, sn_picture_options *o)
     lsn_leave(L, opts);
 }
 
+static sn_renderer read_renderer(lua_State *L)
+{
+    const char *names[SN_RENDERER_COUNT + 1] = {NULL};
+    const char *word = lsn_opt_string(L, opts, "renderer", NULL);
+    if (!word) return lsn_get_state(L)->renderer;
+    for (int i = 0; i < SN_RENDERER_COUNT; i++) {
+        names[i] = sn_renderer_name((sn_renderer)i);
+        if (strcmp(word, names[i]) == 0) return (sn_renderer)i;
+    }
+    (void)lsn_option_error(L, opts, "renderer", "unknown '%s' (%s)", word, lsn_push_known(L, word, names));
+    return SN_RENDERER_AUTO;
+}
+
 /* ---- the file ---- */
 
 /* A picture that cannot be written is a failed rendering, not a bad input file. */
@@ -108,7 +121,7 @@ static void set_texts(lua_State *L, int image, const sn_camera *c, const char *r
 int lsn_scene_render(lua_State *L) /* scene:render{...} -> image */
 {
     static const char *const keys[] = {"file",       "size",         "camera",  "show",        "clip",
-                                       "background", "skin_opacity", "samples", "fiber_count", NULL};
+                                       "background", "skin_opacity", "samples", "fiber_count", "renderer", NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     lua_settop(L, opts);
     lsn_check_keys(L, opts, keys);
@@ -127,6 +140,7 @@ int lsn_scene_render(lua_State *L) /* scene:render{...} -> image */
     for (int k = 0; k < 4; k++) o.background[k] = 1.0f;
     lsn_opt_color(L, opts, "background", o.background);
     read_clip(L, &o);
+    o.renderer = read_renderer(L);
     const char *file = lsn_opt_string(L, opts, "file", NULL);
     if (file) check_file(L, file);
     lsn_read_camera(L, opts, s, o.width, o.height, &o.camera);

@@ -212,12 +212,16 @@ static void push_body_report(lua_State *L, const sn_body_report *r)
     lsn_set_number(L, "share_below_10_degrees", r->share_below_10_deg);
     lsn_set_number(L, "seconds_surface", r->seconds_surface);
     lsn_set_number(L, "seconds_tets", r->seconds_tets);
+    if (r->n_coarse_tet > 0) {
+        lsn_set_integer(L, "coarse_tets", r->n_coarse_tet);
+        lsn_set_number(L, "seconds_coarse", r->seconds_coarse);
+    }
     lsn_set_number(L, "seconds", r->seconds);
 }
 
 static int scene_tetrahedralize(lua_State *L)
 {
-    static const char *const keys[] = {"edge_length", "bone_edge_length", "max_volume",
+    static const char *const keys[] = {"edge_length", "bone_edge_length", "adaptive", "max_volume",
                                        "radius_edge", "time_limit",       NULL};
     sn_scene *s = lsn_check_scene(L, 1);
     sn_body_report report = {0};
@@ -225,6 +229,7 @@ static int scene_tetrahedralize(lua_State *L)
     lsn_check_keys(L, 2, keys);
     sn_body_options opt = {.edge_length = lsn_opt_positive(L, 2, "edge_length", 0.0),
                            .bone_edge_length = lsn_opt_positive(L, 2, "bone_edge_length", 0.0),
+                           .is_adaptive = lsn_opt_bool(L, 2, "adaptive", false),
                            .max_volume = lsn_opt_positive(L, 2, "max_volume", 0.0),
                            .radius_edge = lsn_opt_positive(L, 2, "radius_edge", 0.0),
                            .time_limit = lsn_opt_positive(L, 2, "time_limit", 0.0)};

@@ -152,6 +152,12 @@ run option_of_another_command 2 "$sinew" info --diff d.png lib/tetra.obj
 want_err "option '--diff' does not go with info"
 run no_tui 3 "$sinew" tui
 want_err 'cannot open tui'
+run renderer_unknown 2 "$sinew" --renderer opengl -e 'x = 1'
+want_err "option '--renderer' needs auto, osmesa or egl, found 'opengl'"
+run renderer_is_said 0 "$sinew" --renderer osmesa -v -e 'x = 1'
+want_err 'renderer: llvmpipe'
+run renderer_egl_or_why_not 0 "$sinew" --renderer egl -v -e 'x = 1'
+grep -qE -e 'renderer: EGL, |renderer egl: .*; use osmesa' "$tmp/err" || bad "nothing is said of EGL"
 run threads_reach_script 0 "$sinew" --threads 3 -e 'print(sinew.threads())'
 want_out_lines 3
 

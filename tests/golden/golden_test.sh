@@ -10,7 +10,7 @@ sinew=$1 scene=$2 keep=$3
 here=$(dirname "$0")
 rm -rf "$keep"
 mkdir -p "$keep"
-"$sinew" -q -D out="$keep" "$here/$scene.lua" >"$keep/$scene.txt"
+"$sinew" -q --renderer osmesa -D out="$keep" "$here/$scene.lua" >"$keep/$scene.txt"
 status=0
 for actual in "$keep"/*.png "$keep"/*.txt; do
     expected="$here/$(basename "$actual")"

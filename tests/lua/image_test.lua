@@ -275,6 +275,17 @@ test("render: the same again gives the same bytes", function()
     check(read(dir .. "/1.png") == read(dir .. "/2.png"))
 end)
 
+test("render: pictures of a scene that changes are those of a new scene", function()
+    local o = {camera = {azimuth = 40, elevation = 15}, size = {90, 60}, renderer = "osmesa"}
+    local before = scene:render(o)
+    o.camera.azimuth = 110
+    scene:render(o)
+    o.camera.azimuth = 40
+    check(sinew.image.compare(before, scene:render(o)).equal, "back where it was")
+    check(sinew.image.compare(before, scene:render{camera = o.camera, size = o.size, renderer = "auto"},
+                              {max = 12, count = 40}).equal, "auto draws the same")
+end)
+
 test("render: texts in the file give the camera back", function()
     local img = render{file = dir .. "/t.png", camera = {azimuth = 30, elevation = 20, zoom = 1.5}}
     local bytes = read(dir .. "/t.png")
@@ -289,7 +300,7 @@ end)
 
 test("render: wrong options", function()
     local function bad(pattern, o) checkerr(pattern, scene.render, scene, o) end
-    bad("unknown option 'sise' (did you mean 'size'? known: file, size, camera, show, clip, background, skin_opacity, samples, fiber_count)",
+    bad("unknown option 'sise' (did you mean 'size'? known: file, size, camera, show, clip, background, skin_opacity, samples, fiber_count, renderer)",
         {sise = {1, 1}})
     bad("option 'size': {width, height} expected", {size = 800})
     bad("option 'size': {width, height} expected", {size = {800}})
@@ -315,6 +326,8 @@ test("render: wrong options", function()
     bad("option 'skin_opacity': finite number expected", {skin_opacity = nan})
     bad("option 'samples': 1..4 per pixel side expected, got 5", {samples = 5})
     bad("option 'samples': 1..4 per pixel side expected, got 0", {samples = 0})
+    bad("option 'renderer': unknown 'opengl' (known: auto, osmesa, egl)", {renderer = "opengl"})
+    bad("option 'renderer': string expected, got number", {renderer = 1})
     bad("option 'clip': table expected, got boolean", {clip = true})
     bad("option 'point' is missing", {clip = {normal = {1, 0, 0}}})
     bad("option 'normal' is missing", {clip = {point = {1, 0, 0}}})

@@ -107,7 +107,7 @@ end)
 
 test("tetrahedralize: wrong options", function()
     local s = small_scene("bones")
-    checkerr("known: edge_length, bone_edge_length, max_volume, radius_edge, time_limit)", s.tetrahedralize,
+    checkerr("known: edge_length, bone_edge_length, adaptive, max_volume, radius_edge, time_limit)", s.tetrahedralize,
              s, {edge = 1})
     checkerr("did you mean 'edge_length'?", s.tetrahedralize, s, {edge_lenght = 1})
     checkerr("option 'edge_length': number above 0 expected, got 0", s.tetrahedralize, s, {edge_length = 0})

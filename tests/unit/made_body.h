@@ -4,7 +4,9 @@
 #define SN_TESTS_MADE_BODY_H
 
 #include "base/alloc.h"
-#include "render/picture.h"
+#include "render/draw.h"
+#include "render/muscle_tets.h"
+#include "render/painter.h"
 
 #include <stdarg.h>
 #include <stddef.h>
@@ -96,7 +98,8 @@ static inline void body_free(body *b)
 /* From the front, all shown, on nothing. */
 static inline sn_picture_options front(int w, int h)
 {
-    sn_picture_options o = {.width = w, .height = h, .samples = 1, .skin_opacity = 0.5};
+    sn_picture_options o = {
+        .width = w, .height = h, .samples = 1, .skin_opacity = 0.5, .renderer = SN_RENDERER_OSMESA};
     sn_error err;
     o.show_muscles = o.show_bones = o.show_skin = o.show_curves = o.show_points = o.show_fibers =
         o.show_frames = true;
@@ -112,6 +115,26 @@ static inline sn_picture_stats draw(const sn_picture_scene *s, const sn_picture_
     sn_image_init(m);
     ok(sn_picture_draw(s, o, NULL, m, &stats, &err), &err);
     return stats;
+}
+
+static inline sn_status find_tets(sn_muscle_tets *m, const sn_picture_scene *s, const sn_run *run,
+                                  sn_error *err)
+{
+    sn_tet_fans fans = {0};
+    ok(sn_tet_fans_find(&fans, s->tets, err), err);
+    sn_status st = sn_muscle_tets_find(m, s, &fans, run, err);
+    sn_tet_fans_free(&fans);
+    return st;
+}
+
+static inline sn_status draw_tiled(const sn_picture_scene *s, const sn_picture_options *o, int tile_side,
+                                   const sn_run *run, sn_image *m, sn_picture_stats *stats, sn_error *err)
+{
+    sn_painter *p;
+    ok(sn_painter_create(&p, err), err);
+    sn_status st = sn_painter_draw_tiled(p, s, o, tile_side, run, m, stats, err);
+    sn_painter_destroy(p);
+    return st;
 }
 
 static inline double covered(const sn_image *m) /* pixels */

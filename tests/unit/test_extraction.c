@@ -12,6 +12,10 @@
 
 #include "made_extraction.h"
 
+#include <pthread.h>
+#include <signal.h>
+#include <time.h>
+
 #define MARGIN 1e-3 /* the default of sn_extract_options */
 
 /* ---- meshes ---- */
@@ -806,6 +810,50 @@ static void the_check_sees_what_is_broken(void **state)
     sn_tet_mesh_free(&m);
 }
 
+/* ---- stopping by another thread ---- */
+
+typedef struct later {
+    volatile sig_atomic_t cancel;
+    int ms;
+} later;
+
+static void *cancel_later(void *user)
+{
+    later *l = user;
+    const struct timespec t = {0, 1000000L * l->ms};
+    (void)nanosleep(&t, NULL);
+    l->cancel = 1;
+    return NULL;
+}
+
+/* By another thread while it cuts: a whole result or none. */
+static void stopped_by_another_thread(void **state)
+{
+    (void)state;
+    enum { n_tissue = 30 };
+    sn_tet_mesh m;
+    double *value;
+    sn_extraction x;
+    sn_error err = {0};
+    m = made_lattice(22, sn_v3(0, 0, 0), 1.0 / 22);
+    value = new_values(&m, n_tissue);
+    for (size_t k = 0; k < (size_t)n_tissue * (size_t)m.n_vert; k++) value[k] = rnd();
+    sn_extraction_init(&x);
+    for (int ms = 0; ms <= 64; ms = ms ? 2 * ms : 1) {
+        later s = {.ms = ms};
+        pthread_t thread;
+        const sn_run run = {.n_threads = 2, .cancel = &s.cancel};
+        assert_int_equal(pthread_create(&thread, NULL, cancel_later, &s), 0);
+        sn_status st = sn_extract(&m, value, names(), n_tissue, NULL, &run, &x, &err);
+        assert_int_equal(pthread_join(thread, NULL), 0);
+        assert_true(st == SN_OK || st == SN_ECANCEL);
+        assert_true(st == SN_OK ? x.mesh.n_tet > m.n_tet : !x.mesh.pos && !x.name);
+        sn_extraction_free(&x);
+    }
+    sn_release(value);
+    sn_tet_mesh_free(&m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -834,6 +882,7 @@ int main(void)
         cmocka_unit_test(short_of_memory_at_every_step),
         cmocka_unit_test(other_calls_short_of_memory),
         cmocka_unit_test(the_check_sees_what_is_broken),
+        cmocka_unit_test(stopped_by_another_thread),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -61,7 +61,7 @@ static void test_tets_sent(void **state)
         sn_error err;
         body_make(&b, c[i].n, c[i].n_tissue, c[i].f);
         sn_muscle_tets_init(&t);
-        ok(sn_muscle_tets_find(&t, &b.scene, NULL, &err), &err);
+        ok(find_tets(&t, &b.scene, NULL, &err), &err);
         assert_int_equal(t.n_tet, c[i].sent);
         sn_muscle_tets_free(&t);
         sn_picture_options o = front(32, 32);
@@ -87,7 +87,7 @@ static void test_sent_against_samples(void **state)
         sn_error err;
         body_make(&b, 5, n_tissue[q], fields[q]);
         sn_muscle_tets_init(&t);
-        ok(sn_muscle_tets_find(&t, &b.scene, NULL, &err), &err);
+        ok(find_tets(&t, &b.scene, NULL, &err), &err);
         int32_t at_sent = 0;
         for (int32_t i = 0; i < b.mesh.n_tet; i++) {
             bool is_sent = at_sent < t.n_tet && t.tet[at_sent] == i, fat = false, muscle = false;
@@ -124,7 +124,7 @@ static void test_normals(void **state)
         sn_error err;
         body_make(&b, 8, 2, q ? ball : below_plane);
         sn_muscle_tets_init(&t);
-        ok(sn_muscle_tets_find(&t, &b.scene, NULL, &err), &err);
+        ok(find_tets(&t, &b.scene, NULL, &err), &err);
         for (int32_t i = 0; i < 4 * t.n_tet; i++) {
             int32_t v = b.mesh.tet[4 * t.tet[i / 4] + i % 4];
             const float *n = sn_muscle_tets_normal(&t, v, 0);
@@ -580,7 +580,7 @@ static void test_tiles_have_no_seams(void **state)
     o.samples = 2;
     (void)draw(&b.scene, &o, &one);
     sn_image_init(&many);
-    ok(sn_picture_draw_tiled(&b.scene, &o, 768, NULL, &many, NULL, &err), &err);
+    ok(draw_tiled(&b.scene, &o, 768, NULL, &many, NULL, &err), &err);
     ok(sn_image_compare(&one, &many, 3, 450 * 430 / 500, &d, NULL, &err), &err);
     assert_true(d.equal);
     sn_image_free(&one);

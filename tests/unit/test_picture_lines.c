@@ -237,7 +237,7 @@ static void test_bundle(void **state)
     for (int k = 0; k < 3; k++) {
         sn_run run = {.n_threads = 1 + k % 2};
         sn_image_init(&m[k]);
-        ok(sn_picture_draw_tiled(&s, &o, k == 2 ? 768 : 2048, &run, &m[k], NULL, &err), &err);
+        ok(draw_tiled(&s, &o, k == 2 ? 768 : 2048, &run, &m[k], NULL, &err), &err);
     }
     assert_memory_equal(m[0].rgba, m[1].rgba, 4 * 450 * 430);
     ok(sn_image_compare(&m[0], &m[2], 8, 450 * 430 / 200, &d, NULL, &err), &err);

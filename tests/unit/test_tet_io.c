@@ -8,6 +8,10 @@
 #include "base/file.h"
 #include "mesh/tet_io.h"
 
+#include "made_mesh.h"
+
+#include <signal.h>
+
 /* Every accepted mesh must hold to its own rules; a refused one must leave nothing. */
 static sn_status load_text(sn_tet_mesh *m, const char *name, const char *text, size_t size, sn_error *err)
 {
@@ -99,7 +103,8 @@ static void same_bits_come_back(void **state)
     make_two(&m);
     sn_tet_mesh_init(&back);
     for (int i = 0; i < 6; i++) {
-        const sn_tet_extras x = {three_names, 3, two_fields, 2, i % 3 == 1};
+        const sn_tet_extras x = {
+            .part_name = three_names, .n_part = 3, .field = two_fields, .n_field = 2, .ascii = i % 3 == 1};
         if (i == 3) {
             sn_release(m.part); /* the second round without parts */
             m.part = NULL;
@@ -119,7 +124,7 @@ static void same_mesh_gives_same_bytes(void **state)
     sn_tet_mesh m;
     sn_error err = {0};
     make_two(&m);
-    const sn_tet_extras x = {three_names, 3, two_fields, 2, false};
+    const sn_tet_extras x = {.part_name = three_names, .n_part = 3, .field = two_fields, .n_field = 2};
     for (int i = 0; i < 3; i++) {
         assert_int_equal(sn_tet_mesh_save(&m, &x, in_folder(names[i]), &err), SN_OK);
         char *first = file_text(names[i]);
@@ -143,7 +148,7 @@ static void text_is_as_written_here(void **state)
     static const char *const names[] = {"skin", "m. soleus"};
     const sn_tet_field f[2] = {{.name = "a", .values = unit_pos, .n_comp = 1, .per_tet = true},
                                {.name = "n", .values = unit_pos, .n_comp = 3, .is_int = true}};
-    const sn_tet_extras x = {names, 2, f, 2, true};
+    const sn_tet_extras x = {.part_name = names, .n_part = 2, .field = f, .n_field = 2, .ascii = true};
     static const char *const want[][2] = {
         {"u.mesh",
          "MeshVersionFormatted 2\n# tissue 1 skin\n# tissue 2 m. soleus\nDimension 3\nVertices\n4\n0 0 0 0\n"
@@ -324,7 +329,7 @@ static void refused_meshes(void **state)
     check_refused(&m, NULL, "x.stl", "x.stl: no tet mesh format to write 'stl' (known: .vtu .mesh .msh)");
     check_refused(&m, NULL, "x.node", "no tet mesh format to write 'node'");
     check_refused(&none, NULL, "x.vtu", "x.vtu: cannot save: tet mesh has no tets");
-    check_refused(&m, &(sn_tet_extras){three_names, 2, NULL, 0, false}, "x.vtu",
+    check_refused(&m, &(sn_tet_extras){.part_name = three_names, .n_part = 2}, "x.vtu",
                   "tet 2 has part id 2, need 0..1");
     m.part[1] = -1;
     check_refused(&m, NULL, "x.vtu", "tet 2 has part id -1, need 0..2147483646");
@@ -558,6 +563,144 @@ static void vtu_big_endian(void **state)
                 4, 1, NULL, NULL);
 }
 
+#define APPENDED(extra, offset)                                                                              \
+    "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" " extra ">\n<Piece><Points>\n"           \
+    "<DataArray type=\"Float32\" format=\"appended\" offset=" offset "/></Points>"
+
+/* Bytes of a file that grows; numbers with the lowest byte first. */
+typedef struct bytes {
+    char at[4096];
+    size_t n;
+} bytes;
+
+static void put_number(bytes *b, uint64_t v, int size)
+{
+    for (int k = 0; k < size; k++) b->at[b->n++] = (char)(v >> 8 * k & 0xff);
+}
+
+static void put_string(bytes *b, const char *s)
+{
+    memcpy(b->at + b->n, s, strlen(s));
+    b->n += strlen(s);
+}
+
+/* As ParaView writes it: what is not wanted (a field) in between, Int64 indices, UInt8 kinds. */
+static void appended_data_is_read(void **state)
+{
+    (void)state;
+    static const float pos[12] = {0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 0.5f};
+    bytes b = {.n = 0};
+    put_string(
+        &b, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" "
+            "header_type=\"UInt64\">\n<UnstructuredGrid><Piece>\n<CellData>"
+            "<DataArray type=\"Float64\" Name=\"x\" format=\"appended\" offset=\"56\"/>"
+            "<DataArray type=\"Int32\" Name=\"tissue\" format=\"appended\" offset=\"72\"/></CellData>\n"
+            "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/>"
+            "</Points>\n<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"appended\" "
+            "offset=\"84\"/><DataArray type=\"Int64\" Name=\"offsets\" format=\"appended\" offset=\"124\"/>"
+            "<DataArray type=\"UInt8\" Name=\"types\" format=\"appended\" offset=\"140\"/></Cells>\n"
+            "</Piece></UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n _");
+    put_number(&b, sizeof pos, 8);
+    for (int k = 0; k < 12; k++) {
+        uint32_t u;
+        memcpy(&u, &pos[k], sizeof u);
+        put_number(&b, u, 4);
+    }
+    put_number(&b, 8, 8);
+    put_number(&b, 0x3c3c3c3c3c3c3c3cu, 8); /* full of '<' */
+    put_number(&b, 4, 8);
+    put_number(&b, 7, 4);
+    put_number(&b, 32, 8);
+    for (uint64_t k = 0; k < 4; k++) put_number(&b, k, 8);
+    put_number(&b, 8, 8);
+    put_number(&b, 4, 8);
+    put_number(&b, 1, 8);
+    put_number(&b, 10, 1);
+    put_string(&b, "\n</AppendedData>\n</VTKFile>\n");
+    sn_tet_mesh m;
+    sn_error err = {0};
+    sn_tet_mesh_init(&m);
+    if (load_text(&m, "raw.vtu", b.at, b.n, &err)) fail_msg("%s", err.msg);
+    assert_int_equal(m.n_vert, 4);
+    assert_int_equal(m.n_tet, 1);
+    assert_int_equal(m.part[0], 7);
+    assert_true(m.pos[3] == 2.0 && m.pos[7] == 3.0 && m.pos[11] == 0.5);
+    sn_tet_mesh_free(&m);
+}
+
+/* Our own arrays, gathered behind the elements one after the other, with the header coded alone or not. */
+static void appended_base64_is_read(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" header_type=\"UInt32\"><Piece>"
+        "<Points><DataArray type=\"UInt8\" format=\"appended\" offset=\"0\"/></Points><Cells>"
+        "<DataArray type=\"UInt8\" Name=\"connectivity\" format=\"appended\" offset=\"24\"/>"
+        "<DataArray type=\"UInt8\" Name=\"offsets\" format=\"appended\" offset=\"40\"/>"
+        "<DataArray type=\"UInt8\" Name=\"types\" format=\"appended\" offset=\"48\"/></Cells></Piece>"
+        "<AppendedData encoding=\"base64\">_"
+        "DAAAAAAAAAEAAAABAAAAAQ==" /* 12: 0 0 0, 1 0 0, 0 1 0, 0 0 1; 24 characters */
+        "BAAAAA==AAECAw=="         /* 4, and 0 1 2 3 on their own            */
+        "AQAAAAQ="                 /* 1: 4                                   */
+        "AQAAAAo="                 /* 1: 10                                  */
+        "</AppendedData></VTKFile>";
+    sn_tet_mesh m;
+    sn_error err = {0};
+    sn_tet_mesh_init(&m);
+    if (load_text(&m, "b64.vtu", text, strlen(text), &err)) fail_msg("%s", err.msg);
+    assert_true(m.n_vert == 4 && m.n_tet == 1 && !m.part);
+    assert_memory_equal(m.pos, unit.pos, 12 * sizeof *m.pos);
+    assert_memory_equal(m.tet, unit.tet, 4 * sizeof *m.tet);
+    sn_tet_mesh_free(&m);
+}
+
+/* ---- Stopping ---- */
+
+typedef struct stopper {
+    int n_call, stop_at;
+    double last;
+    volatile sig_atomic_t cancel;
+} stopper;
+
+static void count_progress(void *user, const char *step, double fraction)
+{
+    stopper *s = user;
+    assert_string_equal(step, "saving tets");
+    assert_true(fraction >= s->last && fraction <= 1.0);
+    s->last = fraction;
+    if (++s->n_call == s->stop_at) s->cancel = 1;
+}
+
+static void saving_reports_and_stops(void **state)
+{
+    (void)state;
+    static const char *const name[] = {"stop.vtu", "stop.msh", "stop.mesh"};
+    enum { n = 24 };
+    sn_tet_mesh m = made_lattice(n, sn_v3(0, 0, 0), 1.0 / 3.0);
+    sn_error err = {0};
+    int n_before = count_files();
+    double *field = SN_NEW_ZERO(double, 3 * (size_t)m.n_tet);
+    for (size_t k = 0; k < 3 * (size_t)m.n_tet; k++) field[k] = 1.0 / (double)(k + 3);
+    const sn_tet_field f = {.name = "fiber", .values = field, .n_comp = 3, .per_tet = true};
+    for (int i = 0; i < 3; i++) {
+        stopper s = {.last = 0.0};
+        const sn_run run = {.cancel = &s.cancel, .progress = count_progress, .user = &s};
+        const sn_tet_extras x = {.field = &f, .n_field = 1, .run = &run};
+        assert_int_equal(sn_tet_mesh_save(&m, &x, in_folder(name[i]), &err), SN_OK);
+        assert_true(s.n_call > 3 && s.last > 0.5);
+        assert_int_equal(remove(in_folder(name[i])), 0);
+        for (int stop_at = 1; stop_at <= 3; stop_at++) {
+            s = (stopper){.stop_at = stop_at};
+            assert_int_equal(sn_tet_mesh_save(&m, &x, in_folder(name[i]), &err), SN_ECANCEL);
+            assert_string_equal(err.msg, "interrupted while saving tets");
+            assert_int_equal(s.n_call, stop_at); /* nothing is written afterwards */
+            assert_int_equal(count_files(), n_before);
+        }
+    }
+    sn_release(field);
+    sn_tet_mesh_free(&m);
+}
+
 static void vtu_messages(void **state)
 {
     (void)state;
@@ -570,11 +713,26 @@ static void vtu_messages(void **state)
                 "compressed data is not read: write the file without a compressor");
     check_fails(
         "v.vtu",
+        "<VTKFile type=\"UnstructuredGrid\">\n<Points>\n<DataArray type=\"Float64\" format=\"appended\"/>",
+        "v.vtu:3: an appended array needs an offset");
+    check_fails(
+        "v.vtu",
         "<VTKFile type=\"UnstructuredGrid\">\n<Points>\n<DataArray type=\"Float64\" format=\"appended\" "
-        "offset=\"0\"/>",
-        "v.vtu:3: appended data is not read: write it inline, as binary or ascii");
+        "offset=\"x\"/>",
+        "v.vtu:3: an appended array needs an offset");
+    check_fails("v.vtu", APPENDED("", "\"0\"") "</VTKFile>", "no AppendedData for an appended array");
+    check_fails("v.vtu", APPENDED("", "\"0\"") "<AppendedData encoding=\"hex\">_</AppendedData>",
+                "appended data needs the encoding raw or base64");
+    check_fails("v.vtu", APPENDED("", "\"0\"") "<AppendedData encoding=\"raw\">AAAA</AppendedData>",
+                "appended data needs to start with '_'");
+    check_fails("v.vtu", APPENDED("", "\"999\"") "<AppendedData encoding=\"raw\">_AAAA</AppendedData>",
+                "truncated: an array at offset 999, the data ends at 19");
+    check_fails("v.vtu", APPENDED("", "\"0\"") "<AppendedData encoding=\"raw\">_\1\1\1\1</AppendedData>",
+                "the array is damaged: it promises 16843009 bytes and has 15");
+    check_fails("v.vtu", APPENDED("", "\"0\"") "<AppendedData encoding=\"base64\">_AQEBAQ==</AppendedData>",
+                "the array is damaged: it promises 16843009 bytes and has 0");
     check_fails("v.vtu", VTU("<Points><DataArray type=\"Float64\" format=\"hex\">0</DataArray></Points>"),
-                "v.vtu:3: an array needs the format binary or ascii");
+                "v.vtu:3: an array needs the format binary, ascii or appended");
     check_fails("v.vtu", VTU("<Points><DataArray type=\"Real\" format=\"ascii\">0</DataArray></Points>"),
                 "v.vtu:3: an array needs a type, Int8 to Float64");
     check_fails("v.vtu", VTU_TOP "<Piece><Points", "v.vtu:3: truncated: a tag without an end");
@@ -645,7 +803,8 @@ static void damaged_files_are_refused_or_valid(void **state)
     make_two(&m);
     uint64_t seed = 99;
     for (int i = 0; i < 3; i++) {
-        const sn_tet_extras x = {three_names, 3, two_fields, 2, i == 1};
+        const sn_tet_extras x = {
+            .part_name = three_names, .n_part = 3, .field = two_fields, .n_field = 2, .ascii = i == 1};
         assert_int_equal(sn_tet_mesh_save(&m, &x, in_folder(name[i]), &err), SN_OK);
         char *text = file_text(name[i]);
         size_t n = strlen(text);
@@ -673,7 +832,7 @@ static void every_failed_allocation_is_clean(void **state)
     static const char *const name[] = {"m.vtu", "m.mesh", "m.ele"};
     put_text("m.node", "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
     put_text("m.ele", "1 4 1\n1 1 2 3 4 1\n");
-    const sn_tet_extras x = {three_names, 3, two_fields, 1, false};
+    const sn_tet_extras x = {.part_name = three_names, .n_part = 3, .field = two_fields, .n_field = 1};
     for (int i = 0; i < 5; i++) { /* two are written, then three read */
         sn_status st = SN_ENOMEM;
         for (int n = 0; st; n++) {
@@ -717,6 +876,9 @@ int main(void)
         cmocka_unit_test(vtu_forms),
         cmocka_unit_test(vtu_big_endian),
         cmocka_unit_test(vtu_messages),
+        cmocka_unit_test(appended_data_is_read),
+        cmocka_unit_test(appended_base64_is_read),
+        cmocka_unit_test(saving_reports_and_stops),
         cmocka_unit_test(refused_paths),
         cmocka_unit_test(damaged_files_are_refused_or_valid),
         cmocka_unit_test(every_failed_allocation_is_clean),
