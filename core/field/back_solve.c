@@ -7,15 +7,15 @@
 
 #include <string.h>
 
-enum { lane = 4, n_together = 4 }; /* right-hand sides in a vector, columns of L at a time */
-typedef double vec __attribute__((vector_size(lane * sizeof(double)), aligned(sizeof(double))));
+enum { lanes = 4, n_together = 4 }; /* right-hand sides in a vector, columns of L at a time */
+typedef double vec __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double))));
 
-/* The processor's widest vectors are used where the compiler can choose them at run time. Lanes are
- * right-hand sides, so the sums are the same with any. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define WIDEST __attribute__((target_clones("avx2", "default")))
+/* Fused multiply-adds where the processor has them: the same bits on every run of one machine, as of BLAS. */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define HAS_WIDE 1
+#define WIDE __attribute__((target("avx2,fma"), optimize("fp-contract=fast")))
 #else
-#define WIDEST
+#define HAS_WIDE 0
 #endif
 
 typedef struct block { /* one supernode */
@@ -28,10 +28,10 @@ typedef struct block { /* one supernode */
 /* sum[i] += L(rows, column + i)' z for n columns; z: n_row x w vectors. */
 static inline __attribute__((always_inline)) void add_products(const double *l, int stride, int n_row,
                                                                const double *z, int n, int w,
-                                                               vec sum[n_together][SN_STRIP_MAX / lane])
+                                                               vec sum[n_together][SN_LANES_MAX / lanes])
 {
     for (int r = 0; r < n_row; r++) {
-        const vec *row = (const vec *)(z + (size_t)r * (size_t)(w * lane));
+        const vec *row = (const vec *)(z + (size_t)r * (size_t)(w * lanes));
 #pragma GCC unroll 4
         for (int i = 0; i < n; i++) {
             double entry = l[(size_t)i * (size_t)stride + (size_t)r];
@@ -44,8 +44,8 @@ static inline __attribute__((always_inline)) void add_products(const double *l, 
 /* The columns column .. column + n - 1 of a supernode; those after them are done. */
 static inline __attribute__((always_inline)) void solve_columns(const block *b, int column, int n, int w)
 {
-    vec sum[n_together][SN_STRIP_MAX / lane] = {0};
-    size_t stride = (size_t)b->all, row_size = (size_t)(w * lane);
+    vec sum[n_together][SN_LANES_MAX / lanes] = {0};
+    size_t stride = (size_t)b->all, row_size = (size_t)(w * lanes);
     const double *l = b->l + (size_t)column * stride;
     int next = column + n;
     add_products(l + next, b->all, b->own - next, b->x + (size_t)next * row_size, n, w, sum);
@@ -71,28 +71,40 @@ static inline __attribute__((always_inline)) void solve_block(const block *b, in
     for (; column > 0; column--) solve_columns(b, column - 1, 1, w);
 }
 
-WIDEST static void solve_block_4(const block *b)
+static void solve_4(const block *b)
 {
     solve_block(b, 1);
 }
 
-WIDEST static void solve_block_8(const block *b)
+static void solve_8(const block *b)
 {
     solve_block(b, 2);
 }
 
-WIDEST static void solve_block_12(const block *b)
+static void solve_12(const block *b)
 {
     solve_block(b, 3);
 }
 
-WIDEST static void solve_block_16(const block *b)
+#if HAS_WIDE
+WIDE static void solve_4_wide(const block *b)
 {
-    solve_block(b, 4);
+    solve_block(b, 1);
 }
 
+WIDE static void solve_8_wide(const block *b)
+{
+    solve_block(b, 2);
+}
+
+WIDE static void solve_12_wide(const block *b)
+{
+    solve_block(b, 3);
+}
+#endif
+
 /* One right-hand side: BLAS reads the factor as it lies, too. */
-static void solve_block_1(const block *b)
+static void solve_1(const block *b)
 {
     int under = b->all - b->own;
     if (under > 0)
@@ -101,25 +113,41 @@ static void solve_block_1(const block *b)
     cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, b->own, b->l, b->all, b->x, 1);
 }
 
-int32_t sn_strip_width(int32_t n_rhs)
+typedef void (*solve_fn)(const block *);
+
+static solve_fn solver_of(int32_t width)
 {
-    return n_rhs == 1 ? 1 : (n_rhs + lane - 1) / lane * lane;
+    static const solve_fn plain[] = {solve_1, solve_4, solve_8, solve_12};
+#if HAS_WIDE
+    static const solve_fn wide[] = {solve_1, solve_4_wide, solve_8_wide, solve_12_wide};
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return wide[width / lanes];
+#endif
+    return plain[width / lanes];
 }
 
-sn_status sn_back_solve(const cholmod_factor *f, double *x, int32_t width, const sn_run *run, sn_error *err)
+int32_t sn_lane_width(int32_t n_rhs)
 {
-    static void (*const solve[])(const block *) = {solve_block_1, solve_block_4, solve_block_8,
-                                                   solve_block_12, solve_block_16};
-    size_t w = (size_t)width;
-    double *below = SN_NEW(double, f->maxesize *w);
+    return n_rhs == 1 ? 1 : (n_rhs + lanes - 1) / lanes * lanes;
+}
+
+static void solve_supernode(const cholmod_factor *f, size_t k, const sn_lane *lane, double *below)
+{
+    size_t w = (size_t)lane->width;
+    block b = {sn_super_block(f, k), sn_super_own(f, k), sn_super_all(f, k),
+               lane->x + (size_t)sn_supers(f)[k] * w, below};
+    const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
+    for (int i = 0; i < b.all - b.own; i++)
+        memcpy(below + (size_t)i * w, lane->x + (size_t)row[i] * w, w * sizeof *below);
+    solver_of(lane->width)(&b);
+}
+
+sn_status sn_back_solve(const cholmod_factor *f, const sn_lane *lane, int32_t n_lane, const sn_run *run,
+                        sn_error *err)
+{
+    double *below = SN_NEW(double, f->maxesize *SN_LANES_MAX);
     sn_status st = below ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu rows", f->maxesize);
     for (size_t k = f->nsuper; !st && k-- > 0;) {
-        block b = {sn_super_block(f, k), sn_super_own(f, k), sn_super_all(f, k),
-                   x + (size_t)sn_supers(f)[k] * w, below};
-        const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
-        for (int i = 0; i < b.all - b.own; i++)
-            memcpy(below + (size_t)i * w, x + (size_t)row[i] * w, w * sizeof *below);
-        solve[width / lane](&b);
+        for (int32_t i = 0; i < n_lane; i++) solve_supernode(f, k, &lane[i], below);
         if (k % 1024 == 0) st = sn_run_step(run, "solving", -1.0, err);
     }
     sn_release(below);

@@ -22,7 +22,8 @@ typedef struct sn_half_solve sn_half_solve; /* opaque; const = may be used by ma
 /* c: borrowed with its factor, which must stay as it is. Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
 SN_MUST_USE sn_status sn_half_solve_create(sn_half_solve **out, const sn_cholesky *c,
                                            const sn_sparse_vectors *b, const sn_run *run, sn_error *err);
-void sn_half_solve_destroy(sn_half_solve *h); /* NULL is fine */
+void sn_half_solve_destroy(sn_half_solve *h);        /* NULL is fine */
+int32_t sn_half_solve_count(const sn_half_solve *h); /* columns */
 
 /* out := Y'Y, whole; n x n. */
 void sn_half_solve_gram(const sn_half_solve *h, double *out);
@@ -32,6 +33,7 @@ void sn_half_solve_product(const sn_half_solve *y, const sn_half_solve *z, doubl
 typedef struct sn_half_term { /* Y times factor */
     const sn_half_solve *y;
     const double *factor; /* columns of y x n_rhs, column-major; NULL: the identity */
+    int32_t stride;       /* rows of what factor lies in: at least the columns of y */
 } sn_half_term;
 /* X = A^-1 sum B_t F_t, n_rhs columns. out[j]: column j; at: where each unknown goes in it (NULL: to its own
  * number). Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT; some columns may then be written. */

@@ -17,7 +17,8 @@ SN_MUST_USE sn_status sn_iterative_create(sn_iterative **out, const sn_csr *a, c
                                           int32_t n, const sn_run *run, sn_error *err);
 void sn_iterative_destroy(sn_iterative *s); /* NULL is fine */
 
-/* Other values of the same pattern; the coarse levels of the preconditioner stay, and serve as long as these are near. */
+/* Other values of the same pattern; the coarse levels of the preconditioner stay, and serve as long as these
+ * are near. */
 void sn_iterative_set_values(sn_iterative *s, const sn_csr *a);
 
 typedef struct sn_iterative_report {

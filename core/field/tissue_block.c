@@ -7,47 +7,77 @@
 
 typedef struct block_job {
     const sn_tissue_solver *s;
-    const sn_tissue_system *system;
+    sn_tissue_system *system;
     const tissue_block *b;
     double *cover;
-    tissue_rhs rhs;
-    sn_half_solve *z;
-    double *factor, *seen; /* terms x n: see low_rank.h           */
-    double *select;        /* n x n_go                            */
-    int32_t *go, n_go;     /* columns that are solved to the end  */
-    double **out;          /* n_go: where to                      */
+    tissue_rhs rhs;        /* of fat: for the rows in the factor           */
+    sn_half_place *place;  /* n: half solves                               */
+    bool *has_sum;         /* n: fat; the change adds its rows             */
+    double *factor, *seen; /* width x n: see low_rank.h                   */
+    int32_t *go, n_go;     /* columns that are solved to the end           */
+    double **out;          /* n_go: where to                               */
 } block_job;
 
 static void free_job(block_job *j)
 {
     sn_tissue_rhs_free(&j->rhs);
-    sn_half_solve_destroy(j->z);
+    sn_release(j->place);
+    sn_release(j->has_sum);
     sn_release(j->factor);
     sn_release(j->seen);
-    sn_release(j->select);
     sn_release(j->go);
     sn_release(j->out);
 }
 
 static sn_status init_job(block_job *j, sn_error *err)
 {
-    size_t n = (size_t)j->b->n, terms = (size_t)sn_low_rank_width(j->system->change);
-    sn_status st = sn_tissue_rhs_init(&j->rhs, j->s, j->b->tissue, j->b->n, err);
-    j->factor = SN_NEW(double, terms *n);
-    j->seen = SN_NEW(double, terms *n);
-    j->select = SN_NEW_ZERO(double, n *n);
+    size_t n = (size_t)j->b->n, width = (size_t)sn_low_rank_width(j->system->change);
+    sn_status st = sn_tissue_rhs_init(&j->rhs, j->s, j->b->tissue, j->b->n, &j->system->base, err);
+    j->place = SN_NEW(sn_half_place, n);
+    j->has_sum = SN_NEW_ZERO(bool, n);
+    j->factor = SN_NEW(double, width *n);
+    j->seen = SN_NEW_ZERO(double, width *n);
     j->go = SN_NEW(int32_t, n);
     j->out = SN_NEW(double *, n);
-    if (st || (j->factor && j->seen && j->select && j->go && j->out)) return st;
+    if (st || (j->place && j->has_sum && j->factor && j->seen && j->go && j->out)) return st;
     return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->b->n);
+}
+
+/* ---- forward ---- */
+
+typedef struct product_job { /* Y'Z, part by part */
+    const block_job *j;
+    int32_t n_part;
+} product_job;
+
+static sn_status one_product(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    const product_job *p = user;
+    const block_job *j = p->j;
+    int32_t first, n, i_batch = i / p->n_part, width = sn_low_rank_width(j->system->change);
+    const sn_half_solve *y = sn_low_rank_part(j->system->change, i % p->n_part, &first, &n);
+    const sn_half_solve *z = j->system->half.batch[i_batch];
+    sn_status st = sn_run_step(run, "solving", -1.0, err);
+    double *product = st ? NULL : SN_NEW(double, (size_t)n *(size_t)sn_half_solve_count(z));
+    if (!st && !product) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", n);
+    if (!st) sn_half_solve_product(y, z, product);
+    for (int32_t c = 0; !st && c < j->b->n; c++)
+        if (j->place[c].i_batch == i_batch)
+            memcpy(j->seen + (size_t)c * (size_t)width + first,
+                   product + (size_t)j->place[c].column * (size_t)n, (size_t)n * sizeof *product);
+    sn_release(product);
+    return st;
 }
 
 static sn_status go_forward(block_job *j, const sn_run *run, sn_error *err)
 {
     const sn_sparse_vectors b = {j->rhs.n, j->rhs.ptr, j->rhs.index, j->rhs.value};
-    sn_status st = sn_half_solve_create(&j->z, j->system->cholesky, &b, run, err);
+    sn_status st = sn_half_cache_need(&j->system->half, j->system->cholesky, &b, run, j->place, err);
     if (st) return st;
-    return sn_low_rank_factor(j->system->change, j->z, j->b->n, j->factor, j->seen, err);
+    for (int32_t c = 0; c < j->b->n; c++) j->has_sum[c] = j->b->tissue[c] == 0;
+    product_job p = {j, sn_low_rank_part_count(j->system->change)};
+    st = sn_run_each(run, p.n_part * j->system->half.n_batch, one_product, &p, err);
+    return st ? st : sn_low_rank_factor(j->system->change, j->b->n, j->has_sum, j->seen, j->factor, err);
 }
 
 /* ---- quick: what is worth going back for ---- */
@@ -84,21 +114,65 @@ static void choose(block_job *j)
 
 /* ---- back ---- */
 
-/* Chosen columns come first. */
+/* What Z and Y are multiplied with, column after column of those that go back. */
+typedef struct combination {
+    sn_half_term *term; /* batches of Z, then parts of Y */
+    double *select;     /* n_row x n_go: the batches' columns, one below another */
+    int32_t n_term, n_row;
+} combination;
+
+static void free_combination(combination *k)
+{
+    sn_release(k->term);
+    sn_release(k->select);
+}
+
+static void add_batches(const block_job *j, combination *k)
+{
+    for (int32_t i = 0, row = 0; i < j->system->half.n_batch; i++) {
+        const sn_half_solve *z = j->system->half.batch[i];
+        bool is_wanted = false;
+        for (int32_t g = 0; g < j->n_go; g++) {
+            const sn_half_place *p = &j->place[j->go[g]];
+            if (p->i_batch != i) continue;
+            k->select[(size_t)g * (size_t)k->n_row + (size_t)(row + p->column)] = 1.0;
+            is_wanted = true;
+        }
+        if (is_wanted) k->term[k->n_term++] = (sn_half_term){z, k->select + row, k->n_row};
+        row += sn_half_solve_count(z);
+    }
+}
+
+static sn_status combine(const block_job *j, combination *k, sn_error *err)
+{
+    int32_t n_part = sn_low_rank_part_count(j->system->change);
+    for (int32_t i = 0; i < j->system->half.n_batch; i++)
+        k->n_row += sn_half_solve_count(j->system->half.batch[i]);
+    k->term = SN_NEW(sn_half_term, (size_t)j->system->half.n_batch + (size_t)n_part);
+    k->select = SN_NEW_ZERO(double, (size_t)k->n_row *(size_t)j->n_go);
+    if (!k->term || !k->select) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->n_go);
+    add_batches(j, k);
+    for (int32_t i = 0; i < n_part; i++) {
+        int32_t first, n;
+        const sn_half_solve *y = sn_low_rank_part(j->system->change, i, &first, &n);
+        k->term[k->n_term++] = (sn_half_term){y, j->factor + first, sn_low_rank_width(j->system->change)};
+    }
+    return SN_OK;
+}
+
 static sn_status go_back(block_job *j, const sn_run *run, sn_error *err)
 {
-    size_t n = (size_t)j->b->n, terms = (size_t)sn_low_rank_width(j->system->change);
-    bool is_all = j->n_go == j->b->n;
-    for (size_t k = 0; k < (size_t)j->n_go; k++) {
-        size_t c = (size_t)j->go[k];
-        int32_t tissue = j->b->tissue[c];
-        j->select[k * n + c] = 1.0;
-        if (k != c && terms > 0) memcpy(j->factor + k * terms, j->factor + c * terms, terms * sizeof(double));
-        j->out[k] = j->b->field + (size_t)tissue * (size_t)j->s->body->mesh.n_vert;
+    size_t width = (size_t)sn_low_rank_width(j->system->change);
+    combination k = {0};
+    for (size_t g = 0; g < (size_t)j->n_go; g++) {
+        size_t c = (size_t)j->go[g]; /* >= g: the factors move up */
+        if (g != c && width > 0) memcpy(j->factor + g * width, j->factor + c * width, width * sizeof(double));
+        j->out[g] = j->b->field + (size_t)j->b->tissue[c] * (size_t)j->s->body->mesh.n_vert;
     }
-    const sn_half_term term[2] = {{j->z, is_all ? NULL : j->select},
-                                  {sn_low_rank_half(j->system->change), j->factor}};
-    return sn_half_solve_finish(term, terms > 0 ? 2 : 1, j->n_go, j->out, j->s->vertex_of, run, err);
+    sn_status st = combine(j, &k, err);
+    if (!st) st = sn_half_solve_finish(k.term, k.n_term, j->n_go, j->out, j->s->vertex_of, run, err);
+    free_combination(&k);
+    return st;
 }
 
 /* max |A x - b| / max |b| of the sum of all columns with signs: one product for all. */
@@ -118,6 +192,8 @@ static sn_status find_residual(const block_job *j, double *residual, sn_error *e
     for (int32_t k = 0; k < j->n_go; k++)
         for (int32_t e = j->rhs.ptr[j->go[k]]; e < j->rhs.ptr[j->go[k] + 1]; e++)
             r[j->rhs.index[e]] -= (k % 2 ? -1.0 : 1.0) * j->rhs.value[e];
+    for (int32_t k = 0; k < j->n_go; k++)
+        if (j->has_sum[j->go[k]]) sn_low_rank_add_sum(j->system->change, k % 2 ? 1.0 : -1.0, r);
     for (size_t u = 0; u < n; u++) largest = fmax(largest, fabs(r[u]));
     sn_cholesky_add_product(j->system->cholesky, x, r);
     sn_low_rank_add_product(j->system->change, x, r);
@@ -143,9 +219,9 @@ static void complete(const block_job *j)
     }
 }
 
-sn_status sn_tissue_solve_block(const sn_tissue_solver *s, const sn_tissue_system *system,
-                                const tissue_block *b, double *cover, const sn_run *run, double *residual,
-                                int32_t *n_solved, sn_error *err)
+sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *system, const tissue_block *b,
+                                double *cover, const sn_run *run, double *residual, int32_t *n_solved,
+                                sn_error *err)
 {
     block_job j = {.s = s, .system = system, .b = b, .cover = cover};
     sn_status st = init_job(&j, err);

@@ -4,16 +4,19 @@
 
 #include <string.h>
 
-/* Rows that a factor may be off by. A row costs about one right-hand side, forward only. */
-#define MOST_CHANGES 400
+/* Rows that a factor may be off by. A new one costs about a right-hand side, forward only; all of them
+ * together the factors of a dense matrix. */
+#define MOST_CHANGES 700
 /* Rows of before at which fields are looked at; when more are gone, all fields are solved for. */
 #define MOST_PROBES 200
+#define PROBE_EVERY 3 /* neighbours along a curve see about the same */
 
 void sn_tissue_system_free(sn_tissue_system *s)
 {
     sn_cholesky_destroy(s->cholesky);
     sn_iterative_destroy(s->iterative);
     sn_low_rank_destroy(s->change);
+    sn_half_cache_free(&s->half);
     sn_row_set_free(&s->base);
     for (int32_t i = 0; i < s->n_state; i++) sn_row_set_free(&s->state[i].set);
     sn_release(s->state);
@@ -46,12 +49,14 @@ static sn_status factorize(sn_tissue_system *s, const sn_tissue_rows *rows, sn_c
 {
     sn_low_rank_destroy(s->change);
     s->change = NULL;
+    sn_half_cache_free(&s->half);
     sn_tissue_system_forget(s);
     sn_status st = sn_run_step(run, "assembling", -1.0, err);
     if (!st) fill(user, matrix);
     if (!st) add_rows(matrix, rows);
     if (!st) st = sn_cholesky_factorize(s->cholesky, matrix, run, err);
     if (!st) st = sn_row_set_copy(&s->base, rows->set, err);
+    if (!st) st = sn_low_rank_create(&s->change, s->cholesky, err);
     if (!st) s->alpha = rows->alpha;
     return st;
 }
@@ -87,7 +92,10 @@ static sn_status find_terms(terms *t, const sn_row_set *base, const sn_row_set *
     t->n_gained = sn_row_set_less(now, base, t->row);
     t->n_term = t->n_gained + sn_row_set_less(base, now, t->row + t->n_gained);
     const sn_row_set without = {gone, sn_row_set_less(past, now, gone)};
-    t->n = t->n_term + sn_row_set_less(&without, base, t->row + t->n_term);
+    sn_row *probe = t->row + t->n_term;
+    int32_t n_probe = sn_row_set_less(&without, base, probe);
+    t->n = t->n_term;
+    for (int32_t i = 0; i < n_probe; i += PROBE_EVERY) t->row[t->n++] = probe[i];
     sn_release(gone);
     return SN_OK;
 }
@@ -127,7 +135,6 @@ static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool wi
 {
     terms t = {0};
     sn_row_set past = {0};
-    sn_low_rank *change = NULL;
     sn_status st = with_probes ? join_states(s, &past, err) : SN_OK;
     if (!st) st = find_terms(&t, &s->base, rows->set, &past, err);
     sn_row_set_free(&past);
@@ -136,12 +143,8 @@ static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool wi
     if (!s->can_see) t.n = t.n_term;
     if (!st && *is_near) st = fill_terms(&t, rows, err);
     if (!st && *is_near)
-        st = sn_low_rank_create(&change, s->cholesky, &(sn_sparse_vectors){t.n, t.ptr, t.index, t.value},
-                                t.weight, t.n_term, run, err);
-    if (!st && *is_near) {
-        sn_low_rank_destroy(s->change);
-        s->change = change;
-    }
+        st = sn_low_rank_set(s->change, &(sn_sparse_vectors){t.n, t.ptr, t.index, t.value}, t.weight,
+                             t.n_term, run, err);
     terms_free(&t);
     return st;
 }

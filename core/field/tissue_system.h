@@ -8,6 +8,7 @@
 #define SN_FIELD_TISSUE_SYSTEM_H
 
 #include "field/iterative.h"
+#include "field/half_cache.h"
 #include "field/low_rank.h"
 #include "field/tissue_rows.h"
 
@@ -22,6 +23,7 @@ typedef struct sn_tissue_system { /* zero-initialised but for the factor; owned 
     sn_row_set base;              /* the rows in the factor                                     */
     double alpha;                 /* that it was made with; 0: the factor is of no use          */
     sn_low_rank *change;          /* from them to those that are followed                       */
+    sn_half_cache half;           /* right-hand sides by the factor                             */
     uint64_t followed;            /* rows->revision of these; 0: none                           */
     sn_tissue_state *state;       /* n_state: the matrices that fields are of                   */
     int32_t n_state;

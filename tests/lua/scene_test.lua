@@ -140,7 +140,40 @@ test("solve", function()
     local before = s:revision()
     s:muscle("flexor"):set_point(2, {0, -0.3, 0.65})
     check(s:revision() > before)
-    check(s:solve().factorized == true)
+    r = s:solve()
+    check(r.factorized == false and r.changed_rows > 0, "by the factor of before")
+    check(r.solver == "direct" and r.iterations == 0 and #r.tissues == 3 and r.tissues[1] == "fat")
+    check(#r.factorized_muscles == 0)
+end)
+
+test("solve: quick, then exact", function()
+    local s = small_scene()
+    s:solve()
+    s:muscle("flexor"):set_point(2, {0, -0.3, 0.65})
+    local r = s:solve{quick = true}
+    check(r.solved + r.kept == 3 and r.quick == (r.kept > 0))
+    local p = {0, 0.3, 0.3}
+    local quick = s:values_at(p)
+    s:set_alpha(6)
+    s:solve()
+    s:set_alpha(5)
+    check(s:solve().factorized)
+    for name, value in pairs(s:values_at(p)) do check(math.abs(value - quick[name]) < 1e-9, "exact where it is asked for") end
+    checkerr("unknown option 'quik'", s.solve, s, {quik = true})
+    checkerr("boolean", s.solve, s, {quick = 1})
+end)
+
+test("solve: iterative", function()
+    local s = small_scene()
+    s:solve()
+    local p = {0, 0.3, 0.3}
+    local direct = s:values_at(p)
+    local r = s:solve{solver = "iterative"}
+    check(r.solver == "iterative" and r.solved == 3 and r.factor_entries == 0 and r.iterations > 0)
+    for name, value in pairs(s:values_at(p)) do check(math.abs(value - direct[name]) < 1e-8) end
+    check(s:solve().solver == "iterative", "stays")
+    check(s:solve{solver = "auto"}.solver == "direct")
+    checkerr("unknown 'cg' (known: auto, direct, iterative)", s.solve, s, {solver = "cg"})
 end)
 
 test("solve: nothing to solve", function()

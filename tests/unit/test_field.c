@@ -579,6 +579,12 @@ static void unwanted_fields_are_untouched(void **state)
     free_scene(&s);
 }
 
+/* But for rounding: right-hand sides stand beside others. size: bytes. */
+static void assert_near(const double *a, const double *b, size_t size)
+{
+    for (size_t k = 0; k < size / sizeof *a; k++) assert_true(fabs(a[k] - b[k]) < 1e-13);
+}
+
 /* One solver through changes of tissue values, curves and alpha, against fresh ones. */
 static void solver_is_used_again(void **state)
 {
@@ -592,12 +598,12 @@ static void solver_is_used_again(void **state)
     for (int32_t r = 0; r < s.row[0].n_row; r++) s.row[0].value[r] *= 3.0; /* right-hand sides only */
     assert_int_equal(sn_tissue_solver_solve(t, 0.4, NULL, NULL, NULL, NULL, field, NULL), SN_OK);
     fresh = solved(&s, 5.0, 0.4, NULL);
-    assert_memory_equal(field, fresh, size);
+    assert_near(field, fresh, size);
     free(fresh);
     assert_int_equal(sn_tissue_solver_set_curves(t, s.ptr, 2, 50.0, NULL), SN_OK);
     assert_int_equal(sn_tissue_solver_solve(t, 0.4, NULL, NULL, NULL, NULL, field, NULL), SN_OK);
     fresh = solved(&s, 50.0, 0.4, NULL);
-    assert_memory_equal(field, fresh, size);
+    assert_near(field, fresh, size);
     free(fresh);
     free(field);
     s.n_muscle = 1; /* fewer curves */
@@ -605,7 +611,7 @@ static void solver_is_used_again(void **state)
     field = new_field(&s);
     assert_int_equal(sn_tissue_solver_solve(t, 0.1, NULL, NULL, NULL, NULL, field, NULL), SN_OK);
     fresh = solved(&s, 5.0, 0.1, NULL);
-    assert_memory_equal(field, fresh, 2 * (size / 3));
+    assert_near(field, fresh, 2 * (size / 3));
     free(fresh);
     free(field);
     sn_tissue_solver_destroy(t);
