@@ -586,7 +586,8 @@ static void interruptions_leave_nothing(void **state)
         st = sn_place_curve(&t, point, 9, &(sn_curve_options){.count = 24, .fill = 1.3}, &run, &p.map, &p.n,
                             &p.r, &err);
         if (st) assert_null(p.map);
-        if (st) assert_says(err, "interrupted while placing bones along a curve");
+        if (st && !strstr(err.msg, "interrupted while looking for crossing bones"))
+            assert_says(err, "interrupted while placing bones along a curve");
         sn_release(p.map);
     }
     assert_int_equal(st, SN_OK);
