@@ -7,7 +7,11 @@
 
 #include <string.h>
 
-enum { lanes = 4, n_together = 4 }; /* right-hand sides in a vector, columns of L at a time */
+enum {
+    lanes = 4,      /* right-hand sides in a vector                          */
+    n_together = 4, /* columns of L at a time                                */
+    most_vecs = 3   /* vectors of right-hand sides: their sums stay in registers */
+};
 typedef double vec __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double))));
 
 /* Fused multiply-adds where the processor has them: the same bits on every run of one machine, as of BLAS. */
@@ -18,23 +22,26 @@ typedef double vec __attribute__((vector_size(lanes * sizeof(double)), aligned(s
 #define HAS_WIDE 0
 #endif
 
-typedef struct block { /* one supernode */
-    const double *l;   /* all x own, column-major */
+typedef struct block { /* one supernode, some of the right-hand sides */
+    const double *l;   /* all x own, column-major      */
     int own, all;
-    double *x;           /* its own rows            */
-    const double *below; /* the rows below, gathered */
+    size_t stride;       /* values per row of x and below */
+    double *x;           /* its own rows                 */
+    const double *below; /* the rows below, gathered     */
 } block;
 
-/* sum[i] += L(rows, column + i)' z for n columns; z: n_row x w vectors. */
-static inline __attribute__((always_inline)) void add_products(const double *l, int stride, int n_row,
-                                                               const double *z, int n, int w,
-                                                               vec sum[n_together][SN_LANES_MAX / lanes])
+typedef vec sums[n_together][most_vecs];
+
+/* sum[i] += L(rows, column + i)' z for n columns and w vectors. */
+static inline __attribute__((always_inline)) void add_products(const double *l, int all, int n_row,
+                                                               const double *z, size_t stride, int n, int w,
+                                                               sums sum)
 {
     for (int r = 0; r < n_row; r++) {
-        const vec *row = (const vec *)(z + (size_t)r * (size_t)(w * lanes));
+        const vec *row = (const vec *)(z + (size_t)r * stride);
 #pragma GCC unroll 4
         for (int i = 0; i < n; i++) {
-            double entry = l[(size_t)i * (size_t)stride + (size_t)r];
+            double entry = l[(size_t)i * (size_t)all + (size_t)r];
 #pragma GCC unroll 4
             for (int k = 0; k < w; k++) sum[i][k] += entry * row[k];
         }
@@ -44,23 +51,23 @@ static inline __attribute__((always_inline)) void add_products(const double *l, 
 /* The columns column .. column + n - 1 of a supernode; those after them are done. */
 static inline __attribute__((always_inline)) void solve_columns(const block *b, int column, int n, int w)
 {
-    vec sum[n_together][SN_LANES_MAX / lanes] = {0};
-    size_t stride = (size_t)b->all, row_size = (size_t)(w * lanes);
-    const double *l = b->l + (size_t)column * stride;
+    sums sum = {0};
+    size_t all = (size_t)b->all;
+    const double *l = b->l + (size_t)column * all;
     int next = column + n;
-    add_products(l + next, b->all, b->own - next, b->x + (size_t)next * row_size, n, w, sum);
-    add_products(l + b->own, b->all, b->all - b->own, b->below, n, w, sum);
+    add_products(l + next, b->all, b->own - next, b->x + (size_t)next * b->stride, b->stride, n, w, sum);
+    add_products(l + b->own, b->all, b->all - b->own, b->below, b->stride, n, w, sum);
 #pragma GCC unroll 4
     for (int i = n - 1; i >= 0; i--) {
-        vec *x = (vec *)(b->x + (size_t)(column + i) * row_size);
+        vec *x = (vec *)(b->x + (size_t)(column + i) * b->stride);
 #pragma GCC unroll 4
         for (int j = i + 1; j < n; j++) {
-            const vec *done = (const vec *)(b->x + (size_t)(column + j) * row_size);
+            const vec *done = (const vec *)(b->x + (size_t)(column + j) * b->stride);
 #pragma GCC unroll 4
-            for (int k = 0; k < w; k++) sum[i][k] += l[(size_t)i * stride + (size_t)(column + j)] * done[k];
+            for (int k = 0; k < w; k++) sum[i][k] += l[(size_t)i * all + (size_t)(column + j)] * done[k];
         }
 #pragma GCC unroll 4
-        for (int k = 0; k < w; k++) x[k] = (x[k] - sum[i][k]) / l[(size_t)i * stride + (size_t)(column + i)];
+        for (int k = 0; k < w; k++) x[k] = (x[k] - sum[i][k]) / l[(size_t)i * all + (size_t)(column + i)];
     }
 }
 
@@ -115,6 +122,7 @@ static void solve_1(const block *b)
 
 typedef void (*solve_fn)(const block *);
 
+/* For so many right-hand sides. */
 static solve_fn solver_of(int32_t width)
 {
     static const solve_fn plain[] = {solve_1, solve_4, solve_8, solve_12};
@@ -125,29 +133,39 @@ static solve_fn solver_of(int32_t width)
     return plain[width / lanes];
 }
 
-int32_t sn_lane_width(int32_t n_rhs)
+int32_t sn_strip_width(int32_t n_rhs)
 {
     return n_rhs == 1 ? 1 : (n_rhs + lanes - 1) / lanes * lanes;
 }
 
-static void solve_supernode(const cholmod_factor *f, size_t k, const sn_lane *lane, double *below)
+/* All right-hand sides, as many at a time as stay in registers: the supernode stays in the cache. */
+static void solve_supernode(const cholmod_factor *f, size_t k, double *x, int32_t width, double *below)
 {
-    size_t w = (size_t)lane->width;
-    block b = {sn_super_block(f, k), sn_super_own(f, k), sn_super_all(f, k),
-               lane->x + (size_t)sn_supers(f)[k] * w, below};
+    const int32_t most = most_vecs * lanes;
+    size_t w = (size_t)width;
+    block b = {sn_super_block(f, k),
+               sn_super_own(f, k),
+               sn_super_all(f, k),
+               w,
+               x + (size_t)sn_supers(f)[k] * w,
+               below};
     const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
     for (int i = 0; i < b.all - b.own; i++)
-        memcpy(below + (size_t)i * w, lane->x + (size_t)row[i] * w, w * sizeof *below);
-    solver_of(lane->width)(&b);
+        memcpy(below + (size_t)i * w, x + (size_t)row[i] * w, w * sizeof *below);
+    for (int32_t from = 0; from < width; from += most) {
+        block part = b;
+        part.x += from;
+        part.below += from;
+        solver_of(width - from < most ? width - from : most)(&part);
+    }
 }
 
-sn_status sn_back_solve(const cholmod_factor *f, const sn_lane *lane, int32_t n_lane, const sn_run *run,
-                        sn_error *err)
+sn_status sn_back_solve(const cholmod_factor *f, double *x, int32_t width, const sn_run *run, sn_error *err)
 {
-    double *below = SN_NEW(double, f->maxesize *SN_LANES_MAX);
+    double *below = SN_NEW(double, f->maxesize *(size_t)width);
     sn_status st = below ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu rows", f->maxesize);
     for (size_t k = f->nsuper; !st && k-- > 0;) {
-        for (int32_t i = 0; i < n_lane; i++) solve_supernode(f, k, &lane[i], below);
+        solve_supernode(f, k, x, width, below);
         if (k % 1024 == 0) st = sn_run_step(run, "solving", -1.0, err);
     }
     sn_release(below);

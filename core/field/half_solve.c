@@ -199,78 +199,57 @@ typedef struct finishing {
     const sn_cholesky *c;
 } finishing;
 
-enum { most_lanes = SN_STRIP_MAX / SN_LANES_MAX };
-
 typedef struct strip { /* some of the right-hand sides */
-    int32_t from, n;
-    sn_lane lane[most_lanes];
-    int32_t n_lane;
+    double *x;         /* n x width: see back_solve.h  */
+    int32_t from, n, width;
 } strip;
 
-static void strip_free(strip *s)
-{
-    for (int32_t i = 0; i < s->n_lane; i++) sn_release(s->lane[i].x);
-}
-
-static sn_status strip_init(strip *s, size_t n_row, int32_t from, int32_t n, sn_error *err)
-{
-    *s = (strip){.from = from, .n = n, .n_lane = n > SN_LANES_MAX ? 2 : 1};
-    for (int32_t i = 0; i < s->n_lane; i++) {
-        sn_lane *l = &s->lane[i];
-        l->n = n * (i + 1) / s->n_lane - n * i / s->n_lane;
-        l->width = sn_lane_width(l->n);
-        l->x = SN_NEW_ZERO(double, n_row *(size_t)l->width);
-        if (!l->x) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu x %d values", n_row, n);
-    }
-    return SN_OK;
-}
-
-/* A term's part in one lane, whose right-hand sides begin at from. */
-static void add_term(const sn_half_term *t, const sn_lane *lane, int32_t from)
+static void add_term(const sn_half_term *t, const strip *s)
 {
     const sn_half_solve *h = t->y;
     const cholmod_factor *f = h->c->factor;
-    size_t w = (size_t)lane->width;
+    size_t w = (size_t)s->width;
     for (int32_t i = 0; i < h->n_step; i++) {
         size_t k = (size_t)h->step[i];
         int32_t first = h->first[k], last = h->last[k];
         int own = sn_super_own(f, k);
         const double *y = h->y + h->at[k];
-        double *x = lane->x + (size_t)sn_supers(f)[k] * w;
+        double *x = s->x + (size_t)sn_supers(f)[k] * w;
         if (t->factor) { /* y, column-major, is y' to row-major eyes; so is the factor */
-            cblas_dgemm(CblasRowMajor, CblasTrans, CblasTrans, own, lane->n, last - first, 1.0,
+            cblas_dgemm(CblasRowMajor, CblasTrans, CblasTrans, own, s->n, last - first, 1.0,
                         y + (size_t)first * (size_t)h->n_row, (int)h->n_row,
-                        t->factor + (size_t)from * (size_t)t->stride + first, t->stride, 1.0, x, lane->width);
+                        t->factor + (size_t)s->from * (size_t)t->stride + first, t->stride, 1.0, x, s->width);
             continue;
         }
-        for (int32_t j = first > from ? first : from; j < last && j < from + lane->n; j++)
+        for (int32_t j = first > s->from ? first : s->from; j < last && j < s->from + s->n; j++)
             for (int r = 0; r < own; r++)
-                x[(size_t)r * w + (size_t)(j - from)] += y[(size_t)j * (size_t)h->n_row + (size_t)r];
+                x[(size_t)r * w + (size_t)(j - s->from)] += y[(size_t)j * (size_t)h->n_row + (size_t)r];
     }
 }
 
-static void put_columns(const finishing *job, const sn_lane *lane, int32_t from)
+static void put_columns(const finishing *job, const strip *s)
 {
     const SuiteSparse_long *perm = job->c->factor->Perm;
     for (size_t j = 0; j < job->c->factor->n; j++) {
         size_t to = job->at ? (size_t)job->at[perm[j]] : (size_t)perm[j];
-        for (int32_t c = 0; c < lane->n; c++)
-            job->out[from + c][to] = lane->x[j * (size_t)lane->width + (size_t)c];
+        for (int32_t c = 0; c < s->n; c++) job->out[s->from + c][to] = s->x[j * (size_t)s->width + (size_t)c];
     }
 }
 
 static sn_status finish_strip(void *user, int32_t i, const sn_run *run, sn_error *err)
 {
     const finishing *job = user;
-    strip s;
-    int32_t from = (int32_t)((int64_t)job->n_rhs * i / job->n_chunk);
-    int32_t to = (int32_t)((int64_t)job->n_rhs * (i + 1) / job->n_chunk);
-    sn_status st = strip_init(&s, job->c->factor->n, from, to - from, err);
-    for (int32_t k = 0, at = from; !st && k < s.n_lane; at += s.lane[k++].n)
-        for (int32_t t = 0; t < job->n_term; t++) add_term(&job->term[t], &s.lane[k], at);
-    if (!st) st = sn_back_solve(job->c->factor, s.lane, s.n_lane, run, err);
-    for (int32_t k = 0, at = from; !st && k < s.n_lane; at += s.lane[k++].n) put_columns(job, &s.lane[k], at);
-    strip_free(&s);
+    size_t n = job->c->factor->n;
+    strip s = {.from = (int32_t)((int64_t)job->n_rhs * i / job->n_chunk)};
+    s.n = (int32_t)((int64_t)job->n_rhs * (i + 1) / job->n_chunk) - s.from;
+    s.width = sn_strip_width(s.n);
+    s.x = SN_NEW_ZERO(double, n *(size_t)s.width);
+    sn_status st =
+        s.x ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu x %d values", n, s.width);
+    for (int32_t t = 0; !st && t < job->n_term; t++) add_term(&job->term[t], &s);
+    if (!st) st = sn_back_solve(job->c->factor, s.x, s.width, run, err);
+    if (!st) put_columns(job, &s);
+    sn_release(s.x);
     return st;
 }
 

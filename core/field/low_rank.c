@@ -5,8 +5,8 @@
 
 #include <string.h>
 
-/* Columns that are of no use any more may be as many as the others, and so many. */
-#define SPARE_COLUMNS 64
+/* Columns that are of no use any more may be twice as many as the others. */
+#define MOST_COLUMNS_REL 3
 
 typedef struct part { /* columns that were half solved together */
     sn_half_solve *y;
@@ -187,7 +187,7 @@ static sn_status need_columns(sn_low_rank *r, const sn_sparse_vectors *u, int32_
     if (!is_used) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", u->n);
     int32_t n_new = u->n - find_columns(r, u, is_used, column);
     sn_release(is_used);
-    if (r->width + n_new > 2 * u->n + SPARE_COLUMNS) { /* mostly of no use: anew */
+    if (r->width + n_new > MOST_COLUMNS_REL * u->n) { /* mostly of no use: anew */
         drop_columns(r);
         n_new = u->n;
         for (int32_t i = 0; i < u->n; i++) column[i] = -1;

@@ -204,14 +204,16 @@ static sn_status find_residual(const block_job *j, double *residual, sn_error *e
     return SN_OK;
 }
 
-/* What the solution on the unknowns leaves to be done: the skin, and fat from the cover. */
+/* What the solution on the unknowns leaves to be done: the skin, where it was not written before, and fat
+ * from the cover. */
 static void complete(const block_job *j)
 {
     const sn_tissue_solver *s = j->s;
     for (int32_t k = 0; k < j->n_go; k++) {
         int32_t tissue = j->b->tissue[j->go[k]];
+        bool has_skin = j->b->stamp && j->b->stamp[tissue] > 0;
         double *f = j->out[k];
-        for (int32_t v = 0; v < s->body->mesh.n_vert; v++)
+        for (int32_t v = 0; !has_skin && v < s->body->mesh.n_vert; v++)
             if (s->number[v] < 0) f[v] = 0.0;
         for (int32_t u = 0; tissue == 0 && u < s->n_free; u++) j->cover[u] = f[s->vertex_of[u]];
         if (tissue == 0) sn_tissue_put_fat(s, j->b->fat, f);
@@ -228,7 +230,7 @@ sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *sys
     if (!st) st = go_forward(&j, run, err);
     if (!st) choose(&j);
     if (!st && j.n_go > 0) st = go_back(&j, run, err);
-    if (!st && j.n_go > 0 && residual) st = find_residual(&j, residual, err);
+    if (!st && j.n_go > 0 && !b->quick) st = find_residual(&j, residual, err);
     if (!st) complete(&j);
     *n_solved = j.n_go;
     free_job(&j);
