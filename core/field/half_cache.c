@@ -4,12 +4,12 @@
 
 #include <string.h>
 
-/* More are thrown away and made as one: each is a term of every solve. */
-enum { most_batches = 6 };
+/* Each is a term of every solve. */
+enum { most_batches = 4 };
 
 void sn_half_cache_free(sn_half_cache *h)
 {
-    for (int32_t i = 0; i < h->n_batch; i++) sn_half_solve_destroy(h->batch[i]);
+    for (int32_t i = 0; i < h->n_batch; i++) sn_half_solve_destroy(h->batch[i].z);
     sn_release(h->batch);
     sn_release(h->place);
     *h = (sn_half_cache){0};
@@ -42,6 +42,31 @@ static int32_t find_places(const sn_half_cache *h, const sn_sparse_vectors *b, s
     return n_new;
 }
 
+/* Which batch is given up: the one not used for longest, but for the one with the most columns. */
+static int32_t find_least(const sn_half_cache *h)
+{
+    int32_t largest = 0, least = -1;
+    for (int32_t i = 1; i < h->n_batch; i++)
+        if (sn_half_solve_count(h->batch[i].z) > sn_half_solve_count(h->batch[largest].z)) largest = i;
+    for (int32_t i = 0; i < h->n_batch; i++)
+        if (i != largest && (least < 0 || h->batch[i].last_use < h->batch[least].last_use)) least = i;
+    return least;
+}
+
+static void drop_batch(sn_half_cache *h, int32_t i_batch)
+{
+    int32_t n = 0;
+    sn_half_solve_destroy(h->batch[i_batch].z);
+    h->batch[i_batch] = h->batch[--h->n_batch];
+    for (int32_t k = 0; k < h->n_place; k++) {
+        sn_half_place p = h->place[k];
+        if (p.i_batch == i_batch) continue;
+        if (p.i_batch == h->n_batch) p.i_batch = i_batch; /* the last one took its place */
+        h->place[n++] = p;
+    }
+    h->n_place = n;
+}
+
 static sn_status half_solve_new(const sn_cholesky *c, const sn_sparse_vectors *b, const sn_half_place *place,
                                 int32_t n_new, const sn_run *run, sn_half_solve **out, sn_error *err)
 {
@@ -65,22 +90,33 @@ static sn_status half_solve_new(const sn_cholesky *c, const sn_sparse_vectors *b
     return st;
 }
 
+/* Room for one batch of n_new. */
+static sn_status need_room(sn_half_cache *h, int32_t n_new, sn_error *err)
+{
+    sn_half_batch *batch = sn_realloc(h->batch, (size_t)h->n_batch + 1, sizeof *batch);
+    if (batch) h->batch = batch;
+    sn_half_place *all = sn_realloc(h->place, (size_t)h->n_place + (size_t)n_new, sizeof *all);
+    if (all) h->place = all;
+    return batch && all ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_new);
+}
+
 sn_status sn_half_cache_need(sn_half_cache *h, const sn_cholesky *c, const sn_sparse_vectors *b,
                              const sn_run *run, sn_half_place *place, sn_error *err)
 {
     int32_t n_new = find_places(h, b, place);
+    h->n_use++;
+    for (int32_t j = 0; j < b->n; j++)
+        if (place[j].i_batch >= 0) h->batch[place[j].i_batch].last_use = h->n_use;
     if (n_new == 0) return SN_OK;
     if (h->n_batch == most_batches) {
-        sn_half_cache_free(h);
+        drop_batch(h, find_least(h));
         n_new = find_places(h, b, place);
     }
-    sn_half_solve **batch = sn_realloc(h->batch, (size_t)h->n_batch + 1, sizeof(sn_half_solve *));
-    if (batch) h->batch = batch;
-    sn_half_place *all = sn_realloc(h->place, (size_t)h->n_place + (size_t)n_new, sizeof *all);
-    if (all) h->place = all;
-    if (!batch || !all) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_new);
-    sn_status st = half_solve_new(c, b, place, n_new, run, &batch[h->n_batch], err);
+    sn_half_solve *z;
+    sn_status st = need_room(h, n_new, err);
+    if (!st) st = half_solve_new(c, b, place, n_new, run, &z, err);
     if (st) return st;
+    h->batch[h->n_batch] = (sn_half_batch){z, h->n_use};
     for (int32_t j = 0, column = 0; j < b->n; j++) {
         if (place[j].i_batch >= 0) continue;
         place[j].i_batch = h->n_batch;

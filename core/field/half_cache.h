@@ -9,9 +9,15 @@ typedef struct sn_half_place { /* where the half solve of a right-hand side is *
     uint64_t hash; /* of its entries */
 } sn_half_place;
 
+typedef struct sn_half_batch { /* half solves made together */
+    sn_half_solve *z;          /* owned */
+    uint64_t last_use;
+} sn_half_batch;
+
 typedef struct sn_half_cache { /* zero-initialised = empty */
-    sn_half_solve **batch;     /* n_batch; owned */
+    sn_half_batch *batch;      /* n_batch; owned */
     int32_t n_batch;
+    uint64_t n_use;
     sn_half_place *place; /* n_place: all that is there; owned */
     int32_t n_place;
 } sn_half_cache;

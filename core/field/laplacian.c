@@ -226,8 +226,11 @@ sn_status sn_laplacian_build(sn_csr *out, sn_assembly *assembly, const sn_tet_me
     assembly->size = size > 0.0 ? size : sn_box3_diagonal(sn_tet_mesh_bounds(m));
     sn_status st = sn_run_step(run, "assembling", 0.0, err);
     if (!st) st = find_around(&around, m, err);
+    if (!st) st = sn_run_step(run, "assembling", 0.1, err);
     if (!st) st = build_pattern(out, m, &around, run, err);
+    if (!st) st = sn_run_step(run, "assembling", 0.6, err);
     if (!st) st = build_slots(assembly, out, m, run, err);
+    if (!st) st = sn_run_step(run, "assembling", 0.8, err);
     if (!st) fill(out, assembly, m, NULL, NULL);
     vertex_tets_free(&around);
     if (st) {

@@ -56,7 +56,7 @@ static sn_status one_product(void *user, int32_t i, const sn_run *run, sn_error 
     const block_job *j = p->j;
     int32_t first, n, i_batch = i / p->n_part, width = sn_low_rank_width(j->system->change);
     const sn_half_solve *y = sn_low_rank_part(j->system->change, i % p->n_part, &first, &n);
-    const sn_half_solve *z = j->system->half.batch[i_batch];
+    const sn_half_solve *z = j->system->half.batch[i_batch].z;
     sn_status st = sn_run_step(run, "solving", -1.0, err);
     double *product = st ? NULL : SN_NEW(double, (size_t)n *(size_t)sn_half_solve_count(z));
     if (!st && !product) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", n);
@@ -130,7 +130,7 @@ static void free_combination(combination *k)
 static void add_batches(const block_job *j, combination *k)
 {
     for (int32_t i = 0, row = 0; i < j->system->half.n_batch; i++) {
-        const sn_half_solve *z = j->system->half.batch[i];
+        const sn_half_solve *z = j->system->half.batch[i].z;
         bool is_wanted = false;
         for (int32_t g = 0; g < j->n_go; g++) {
             const sn_half_place *p = &j->place[j->go[g]];
@@ -147,7 +147,7 @@ static sn_status combine(const block_job *j, combination *k, sn_error *err)
 {
     int32_t n_part = sn_low_rank_part_count(j->system->change);
     for (int32_t i = 0; i < j->system->half.n_batch; i++)
-        k->n_row += sn_half_solve_count(j->system->half.batch[i]);
+        k->n_row += sn_half_solve_count(j->system->half.batch[i].z);
     k->term = SN_NEW(sn_half_term, (size_t)j->system->half.n_batch + (size_t)n_part);
     k->select = SN_NEW_ZERO(double, (size_t)k->n_row *(size_t)j->n_go);
     if (!k->term || !k->select) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->n_go);
@@ -230,7 +230,7 @@ sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *sys
     if (!st) st = go_forward(&j, run, err);
     if (!st) choose(&j);
     if (!st && j.n_go > 0) st = go_back(&j, run, err);
-    if (!st && j.n_go > 0 && !b->quick) st = find_residual(&j, residual, err);
+    if (!st && j.n_go > 0) st = find_residual(&j, residual, err);
     if (!st) complete(&j);
     *n_solved = j.n_go;
     free_job(&j);

@@ -67,7 +67,7 @@ typedef struct tissue_block { /* some tissues, together */
     sn_tissue_stamp *stamp; /* NULL: of no interest */
     double *field;
 } tissue_block;
-/* residual: not of quick solves. *n_solved: those that were not kept. cover: the solver's when the block may
+/* *n_solved: those that were not kept. cover: the solver's when the block may
  * have fat. */
 SN_MUST_USE sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *system,
                                             const tissue_block *b, double *cover, const sn_run *run,

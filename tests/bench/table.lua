@@ -102,6 +102,7 @@ operation{name = "move one control point", before = edit.move, run = solve, fiel
 operation{name = "move it again", before = edit.again, run = solve, fields = {}}
 operation{name = "move one, quick", before = edit.move, run = quick_solve, after = finish_quick, fields = {},
           is_absent = not is_quick}
+operation{name = "move it again, quick", before = edit.again, run = quick_solve, fields = {}, is_absent = not is_quick}
 operation{name = "change one tissue value", before = edit.tissue, run = solve, fields = {}}
 operation{name = "add a muscle", before = edit.add, run = solve, fields = {}, after = function()
   edit.remove()
