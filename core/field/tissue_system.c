@@ -2,11 +2,13 @@
 
 #include "base/alloc.h"
 
+#include <math.h>
 #include <string.h>
 
-/* Rows that a factor may be off by. A new one costs about a right-hand side, forward only; all of them
- * together the factors of a dense matrix. */
-#define MOST_CHANGES 700
+/* Rows that a factor may be off by: a new one costs about a right-hand side, forward only (unknowns^4/3), a
+ * new factor unknowns^2; all rows together the factors of a dense matrix, which bounds them in any case. */
+#define CHANGES_PER_SIZE 0.35 /* of unknowns^2/3 */
+enum { least_changes = 200, most_changes = 2000 };
 /* Rows of before at which fields are looked at; when more are gone, all fields are solved for. */
 #define MOST_PROBES 200
 #define PROBE_EVERY 3 /* neighbours along a curve see about the same */
@@ -129,6 +131,12 @@ static sn_status join_states(const sn_tissue_system *s, sn_row_set *past, sn_err
     return st;
 }
 
+static int32_t changes_allowed(int32_t n_free)
+{
+    double n = CHANGES_PER_SIZE * pow(n_free, 2.0 / 3.0);
+    return n < least_changes ? least_changes : n > most_changes ? most_changes : (int32_t)n;
+}
+
 /* *is_near: whether the factor is still near enough. */
 static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool with_probes, const sn_run *run,
                         bool *is_near, sn_error *err)
@@ -138,7 +146,7 @@ static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool wi
     sn_status st = with_probes ? join_states(s, &past, err) : SN_OK;
     if (!st) st = find_terms(&t, &s->base, rows->set, &past, err);
     sn_row_set_free(&past);
-    *is_near = !st && t.n_term <= MOST_CHANGES;
+    *is_near = !st && t.n_term <= changes_allowed(rows->n_free);
     s->can_see = with_probes && t.n - t.n_term <= MOST_PROBES;
     if (!s->can_see) t.n = t.n_term;
     if (!st && *is_near) st = fill_terms(&t, rows, err);

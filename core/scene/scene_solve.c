@@ -127,6 +127,16 @@ static sn_status do_items(solve_job *job, const sn_run *run, sn_error *err)
     return st;
 }
 
+/* The factor that spreads frames takes as much memory as the shared one: where it is large it waits until
+ * frames ask for it. */
+#define MOST_UNKNOWNS_EAGER 200000
+
+static bool is_thread_idle(const sn_scene *s, const sn_run *run)
+{
+    return !sn_tissue_solver_has_factor(s->solver) && sn_run_threads(run) > 1 &&
+           sn_tissue_solver_report(s->solver)->unknowns <= MOST_UNKNOWNS_EAGER;
+}
+
 /* The long items first. Muscles whose frames wait for their factor come after it. */
 static sn_status run_items(solve_job *job, const sn_run *run, sn_error *err)
 {
@@ -134,7 +144,7 @@ static sn_status run_items(solve_job *job, const sn_run *run, sn_error *err)
     bool any_shared = false;
     for (int32_t i = 0; i <= s->n_muscle; i++) any_shared = any_shared || job->is_shared[i];
     if (any_shared) job->item[job->n_item++] = ITEM_SHARED;
-    bool is_idle = any_shared && !sn_tissue_solver_has_factor(s->solver) && sn_run_threads(run) > 1;
+    bool is_idle = any_shared && is_thread_idle(s, run);
     if (!s->harmonic && (job->frames_wait || is_idle)) job->item[job->n_item++] = ITEM_HARMONIC;
     sn_status st = SN_OK;
     if (job->frames_wait) st = do_items(job, run, err);
