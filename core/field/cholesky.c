@@ -3,6 +3,7 @@
 #include "base/alloc.h"
 #include "field/cholesky_order.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Takes the order over, also on error. */
@@ -186,6 +187,19 @@ void sn_cholesky_add_product(const sn_cholesky *c, const double *x, double *y)
         }
         y[u] += sum;
     }
+}
+
+double sn_cholesky_rcond(const sn_cholesky *c)
+{
+    double least = INFINITY, most = 0.0;
+    for (size_t k = 0; k < c->factor->nsuper; k++)
+        for (int j = 0; j < sn_super_own(c->factor, k); j++) {
+            double pivot =
+                sn_super_block(c->factor, k)[(size_t)j * (size_t)sn_super_all(c->factor, k) + (size_t)j];
+            least = fmin(least, pivot);
+            most = fmax(most, pivot);
+        }
+    return (least / most) * (least / most);
 }
 
 int32_t sn_cholesky_size(const sn_cholesky *c)

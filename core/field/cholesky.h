@@ -49,6 +49,9 @@ SN_MUST_USE sn_status sn_cholesky_solve_few(const sn_cholesky *c, const int32_t 
                                             int32_t n_entry, const sn_run *run, double *x, sn_error *err);
 /* y += A x with the A that was factorized. x, y: n. */
 void sn_cholesky_add_product(const sn_cholesky *c, const double *x, double *y);
+/* About the smallest over the largest pivot: near 1e-16, the matrix may have been singular. Needs a factor.
+ */
+double sn_cholesky_rcond(const sn_cholesky *c);
 int32_t sn_cholesky_size(const sn_cholesky *c);           /* unknowns */
 bool sn_cholesky_is_factorized(const sn_cholesky *c);     /* has a factor */
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* stored for the factor; known from the analysis */

@@ -39,7 +39,7 @@ struct sn_tissue_solver {
 };
 
 /* More than rounding: the change since the factor has lost too many digits. */
-#define SN_RESIDUAL_TOO_LARGE 1e-10
+#define SN_RESIDUAL_TOO_LARGE 1e-11
 
 /* The row of fat from the cover. */
 void sn_tissue_put_fat(const sn_tissue_solver *s, double fat, double *field);

@@ -9,6 +9,8 @@
  * new factor unknowns^2; all rows together the factors of a dense matrix, which bounds them in any case. */
 #define CHANGES_PER_SIZE 0.35 /* of unknowns^2/3 */
 enum { least_changes = 200, most_changes = 2000 };
+/* A factor worse than this is used as it is, but no change is built on it. */
+#define LEAST_RCOND 1e-12
 /* Rows of before at which fields are looked at; when more are gone, all fields are solved for. */
 #define MOST_PROBES 200
 #define PROBE_EVERY 3 /* neighbours along a curve see about the same */
@@ -59,7 +61,7 @@ static sn_status factorize(sn_tissue_system *s, const sn_tissue_rows *rows, sn_c
     if (!st) st = sn_cholesky_factorize(s->cholesky, matrix, run, err);
     if (!st) st = sn_row_set_copy(&s->base, rows->set, err);
     if (!st) st = sn_low_rank_create(&s->change, s->cholesky, err);
-    if (!st) s->alpha = rows->alpha;
+    if (!st && sn_cholesky_rcond(s->cholesky) > LEAST_RCOND) s->alpha = rows->alpha;
     return st;
 }
 

@@ -21,7 +21,7 @@ typedef struct sn_tissue_system { /* zero-initialised but for the factor; owned 
     sn_cholesky *cholesky;        /* not factorized before the first follow; NULL: iterative    */
     sn_iterative *iterative;      /* NULL before the first follow                               */
     sn_row_set base;              /* the rows in the factor                                     */
-    double alpha;                 /* that it was made with; 0: the factor is of no use          */
+    double alpha;                 /* that it was made with; 0: no change goes on it             */
     sn_low_rank *change;          /* from them to those that are followed                       */
     sn_half_cache half;           /* right-hand sides by the factor                             */
     uint64_t followed;            /* rows->revision of these; 0: none                           */
