@@ -20,8 +20,9 @@ static sn_status create_on(sn_cholesky **out, sn_order *order, sn_error *err)
     c->val = SN_NEW(double, (size_t)order->ptr[order->n]);
     c->factor = cholmod_l_copy_factor(order->symbolic, &c->common);
     if (!c->val || !c->factor) {
-        sn_cholesky_destroy(c);
-        return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", order->n);
+        sn_status st = sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", order->n);
+        sn_cholesky_destroy(c); /* and with it the order, when nobody else has it */
+        return st;
     }
     *out = c;
     return SN_OK;
