@@ -49,6 +49,17 @@ sn_status sn_run_step(const sn_run *run, const char *step, double fraction, sn_e
     return SN_OK;
 }
 
+/* Signals stay with the threads that there were. */
+static bool start_thread(pthread_t *thread, void *(*fn)(void *), void *arg)
+{
+    sigset_t all, before;
+    (void)sigfillset(&all);
+    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
+    bool ok = pthread_create(thread, NULL, fn, arg) == 0;
+    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return ok;
+}
+
 /* ---- many items ----
  *
  * Threads of our own, not a team of OpenMP's: in a team, each parallel loop of a library (CHOLMOD has
@@ -93,21 +104,16 @@ static void report_item(void *user, const char *step, double fraction)
     w->outer->progress(w->outer->user, step, of_all < 1.0 ? of_all : 1.0);
 }
 
-/* The caller works, too; threads that cannot be had are done without. Signals stay with the caller's thread.
- */
+/* The caller works, too; threads that cannot be had are done without. */
 static void work_together(items *w, pthread_t *helper, int n_helper)
 {
-    sigset_t all, before;
     sn_run own = w->run;
     int n = 0;
     if (w->outer && w->outer->progress) {
         own.progress = report_item;
         own.user = w;
     }
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (n < n_helper && pthread_create(&helper[n], NULL, help, w) == 0) n++;
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
+    while (n < n_helper && start_thread(&helper[n], help, w)) n++;
     work(w, &own);
     for (int i = 0; i < n; i++) (void)pthread_join(helper[i], NULL);
 }
@@ -181,16 +187,6 @@ static void *work_apart(void *arg)
     return NULL;
 }
 
-static bool start_apart(apart *a, pthread_t *thread)
-{
-    sigset_t all, before;
-    (void)sigfillset(&all);
-    (void)pthread_sigmask(SIG_SETMASK, &all, &before);
-    bool ok = pthread_create(thread, NULL, work_apart, a) == 0;
-    (void)pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return ok;
-}
-
 /* Holds the lock, but for the wait. */
 static sn_status wait_for(apart *a, const sn_run *run, const char *step, sn_error *err)
 {
@@ -218,7 +214,7 @@ sn_status sn_run_apart(const sn_run *run, const char *step, void (*fn)(void *job
         (void)pthread_mutex_init(&a->lock, NULL);
         (void)pthread_cond_init(&a->done, NULL);
     }
-    if (!a || !start_apart(a, &thread)) { /* no thread to be had: it is done all the same */
+    if (!a || !start_thread(&thread, work_apart, a)) { /* no thread to be had: it is done all the same */
         if (a) apart_free(a);
         fn(job);
         return SN_OK;

@@ -203,11 +203,6 @@ double sn_cholesky_rcond(const sn_cholesky *c)
     return (least / most) * (least / most);
 }
 
-int32_t sn_cholesky_size(const sn_cholesky *c)
-{
-    return c->order->n;
-}
-
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c)
 {
     return c->factor && c->factor->is_super ? (int64_t)c->factor->xsize : 0;

@@ -52,7 +52,6 @@ void sn_cholesky_add_product(const sn_cholesky *c, const double *x, double *y);
 /* About the smallest over the largest pivot: near 1e-16, the matrix may have been singular. Needs a factor.
  */
 double sn_cholesky_rcond(const sn_cholesky *c);
-int32_t sn_cholesky_size(const sn_cholesky *c);           /* unknowns */
 bool sn_cholesky_is_factorized(const sn_cholesky *c);     /* has a factor */
 int64_t sn_cholesky_factor_entries(const sn_cholesky *c); /* stored for the factor; known from the analysis */
 

@@ -70,17 +70,21 @@ typedef struct analysis {
     cholmod_sparse *pattern;
 } analysis;
 
+static void analyse(analysis *a)
+{
+    int levels = sn_cholmod_one_thread();
+    a->order->symbolic = cholmod_l_analyze(a->pattern, &a->order->common);
+    sn_cholmod_threads_again(levels);
+}
+
 /* METIS draws from the one random stream of the process: one at a time, or the order would not be the same
  * each time. One that was left behind is waited for. */
 static pthread_mutex_t ordering = PTHREAD_MUTEX_INITIALIZER;
 
-static void analyse(void *job)
+static void analyse_in_turn(void *job)
 {
-    analysis *a = job;
     (void)pthread_mutex_lock(&ordering);
-    int levels = sn_cholmod_one_thread();
-    a->order->symbolic = cholmod_l_analyze(a->pattern, &a->order->common);
-    sn_cholmod_threads_again(levels);
+    analyse(job);
     (void)pthread_mutex_unlock(&ordering);
 }
 
@@ -104,11 +108,9 @@ static sn_status find_order(sn_order *o, const sn_csr *a, const int32_t *number,
     if (!job->pattern) {
         st = sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", o->n);
     } else if (is_small) {
-        int levels = sn_cholmod_one_thread();
-        o->symbolic = cholmod_l_analyze(job->pattern, &o->common);
-        sn_cholmod_threads_again(levels);
+        analyse(job);
     } else {
-        st = sn_run_apart(run, "ordering the matrix", analyse, analysis_free, job, err);
+        st = sn_run_apart(run, "ordering the matrix", analyse_in_turn, analysis_free, job, err);
         if (st) return st;
     }
     analysis_free(job);

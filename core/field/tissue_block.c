@@ -50,11 +50,19 @@ typedef struct product_job { /* Y'Z, part by part */
     int32_t n_part;
 } product_job;
 
+static bool needs_batch(const block_job *j, int32_t i_batch)
+{
+    for (int32_t c = 0; c < j->b->n; c++)
+        if (j->place[c].i_batch == i_batch) return true;
+    return false;
+}
+
 static sn_status one_product(void *user, int32_t i, const sn_run *run, sn_error *err)
 {
     const product_job *p = user;
     const block_job *j = p->j;
     int32_t first, n, i_batch = i / p->n_part, width = sn_low_rank_width(j->system->change);
+    if (!needs_batch(j, i_batch)) return SN_OK; /* kept for other tissues */
     const sn_half_solve *y = sn_low_rank_part(j->system->change, i % p->n_part, &first, &n);
     const sn_half_solve *z = j->system->half.batch[i_batch].z;
     sn_status st = sn_run_step(run, "solving", -1.0, err);
@@ -204,21 +212,15 @@ static sn_status find_residual(const block_job *j, double *residual, sn_error *e
     return SN_OK;
 }
 
-/* What the solution on the unknowns leaves to be done: the skin, where it was not written before, and fat
- * from the cover. */
-static void complete(const block_job *j)
+void sn_tissue_complete_field(const sn_tissue_solver *s, const tissue_block *b, double *cover, int32_t tissue)
 {
-    const sn_tissue_solver *s = j->s;
-    for (int32_t k = 0; k < j->n_go; k++) {
-        int32_t tissue = j->b->tissue[j->go[k]];
-        bool has_skin = j->b->stamp && j->b->stamp[tissue] > 0;
-        double *f = j->out[k];
-        for (int32_t v = 0; !has_skin && v < s->body->mesh.n_vert; v++)
-            if (s->number[v] < 0) f[v] = 0.0;
-        for (int32_t u = 0; tissue == 0 && u < s->n_free; u++) j->cover[u] = f[s->vertex_of[u]];
-        if (tissue == 0) sn_tissue_put_fat(s, j->b->fat, f);
-        if (j->b->stamp) j->b->stamp[tissue] = s->revision;
-    }
+    bool has_skin = b->stamp && b->stamp[tissue] > 0;
+    double *f = b->field + (size_t)tissue * (size_t)s->body->mesh.n_vert;
+    for (int32_t v = 0; !has_skin && v < s->body->mesh.n_vert; v++)
+        if (s->number[v] < 0) f[v] = 0.0;
+    for (int32_t u = 0; tissue == 0 && u < s->n_free; u++) cover[u] = f[s->vertex_of[u]];
+    if (tissue == 0) sn_tissue_put_fat(s, b->fat, f);
+    if (b->stamp) b->stamp[tissue] = s->revision;
 }
 
 sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *system, const tissue_block *b,
@@ -231,7 +233,7 @@ sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *sys
     if (!st) choose(&j);
     if (!st && j.n_go > 0) st = go_back(&j, run, err);
     if (!st && j.n_go > 0) st = find_residual(&j, residual, err);
-    if (!st) complete(&j);
+    for (int32_t k = 0; !st && k < j.n_go; k++) sn_tissue_complete_field(s, b, cover, b->tissue[j.go[k]]);
     *n_solved = j.n_go;
     free_job(&j);
     return st;

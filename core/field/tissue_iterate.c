@@ -32,13 +32,8 @@ static void guess(const iterate_job *j, int32_t tissue, double *x)
 static void put(const iterate_job *j, int32_t tissue, const double *x)
 {
     double *f = row_of(j, tissue);
-    if (tissue == 0) {
-        for (int32_t u = 0; u < j->s->n_free; u++) j->cover[u] = x[u];
-        sn_tissue_put_fat(j->s, j->b->fat, f);
-        return;
-    }
-    for (int32_t v = 0; v < j->s->body->mesh.n_vert; v++)
-        f[v] = j->s->number[v] >= 0 ? x[j->s->number[v]] : 0.0;
+    for (int32_t u = 0; u < j->s->n_free; u++) f[j->s->vertex_of[u]] = x[u];
+    sn_tissue_complete_field(j->s, j->b, j->cover, tissue);
 }
 
 static sn_status iterate(void *user, int32_t i, const sn_run *run, sn_error *err)
@@ -73,7 +68,6 @@ sn_status sn_tissue_iterate_block(const sn_tissue_solver *s, const sn_tissue_sys
     for (int32_t i = 0; !st && i < b->n; i++) {
         *residual = fmax(*residual, j.report[i].residual);
         if (j.report[i].iterations > *iterations) *iterations = j.report[i].iterations;
-        if (b->stamp) b->stamp[b->tissue[i]] = s->revision;
         if (b->quick) b->quick->was_kept[b->tissue[i]] = true; /* not to the last digit */
     }
     *n_solved = b->n;

@@ -67,6 +67,10 @@ typedef struct tissue_block { /* some tissues, together */
     sn_tissue_stamp *stamp; /* NULL: of no interest */
     double *field;
 } tissue_block;
+/* What a solution, written at the unknowns of its row, leaves to be done: the skin, where it was not written
+ * before, fat from the cover (which the row then holds), the stamp. */
+void sn_tissue_complete_field(const sn_tissue_solver *s, const tissue_block *b, double *cover,
+                              int32_t tissue);
 /* *n_solved: those that were not kept. cover: the solver's when the block may
  * have fat. */
 SN_MUST_USE sn_status sn_tissue_solve_block(const sn_tissue_solver *s, sn_tissue_system *system,

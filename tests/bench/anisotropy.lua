@@ -1,38 +1,15 @@
 -- anisotropy.lua - what anisotropic muscles cost, in factorizations of the tissue matrix measured in the same run.
 --
---     build/sinew tests/bench/anisotropy.lua            the dog where the data is (see tests/real), else two muscles in a body
+--     build/sinew tests/bench/anisotropy.lua            the dog where its data is, else S (see scenes.lua)
 --
 -- A factorization is that of the first solve of a new scene (median of three), where the pages of its memory are made.
 -- Beside it: what three frames add to such a first solve (median of three), what they take when a solved scene sees them
 -- for the first time, and when they are turned (median of five). An edit of a curve makes no factor.
 
-local function median(t) table.sort(t) return t[(#t + 1) // 2] end
+local median = dofile("tests/bench/measure.lua").median
+local scenes = dofile("tests/bench/scenes.lua")
 
-local function made_scene()
-  local scene, shape = sinew.scene{name = "bench"}, sinew.shape
-  scene:set_skin(shape.capsule({0, 0, -1}, {0, 0, 1}, 0.6, 0.6):mesh{cell = 0.05})
-  scene:add_bone("lower", shape.sphere({0, 0, -1.1}, 0.25):mesh{cell = 0.04})
-  scene:add_bone("upper", shape.sphere({0, 0, 1.1}, 0.25):mesh{cell = 0.04})
-  scene:tetrahedralize{edge_length = 0.04}
-  for i = 1, 6 do
-    local x, y = 0.3 * math.cos(i), 0.3 * math.sin(i)
-    scene:add_muscle("muscle" .. i, {points = {{x / 2, y / 2, -0.9}, {x, y, 0}, {x / 2, y / 2, 0.9}}})
-  end
-  return scene
-end
-
-local function dog_scene()
-  local dog = dofile("tests/real/dog_scene.lua")
-  local file = io.open(dog.data .. "/skin.stl", "rb")
-  if not file then return nil end
-  file:close()
-  local scene = dog.body()
-  scene:tetrahedralize{edge_length = 0.011, bone_edge_length = 0.004}
-  dog.add_muscles(scene)
-  return scene
-end
-
-local function new_scene() return dog_scene() or made_scene() end
+local function new_scene() return (scenes.make(scenes.dog_or("S"))) end
 
 local function turn(scene, angle)
   for i = 1, 3 do scene:muscles()[i]:set_frame{angle = angle, eigenvalues = {1, 4, 0.4}} end

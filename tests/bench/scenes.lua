@@ -34,6 +34,9 @@ function scenes.can_make(name)
   return name ~= "dog" or dofile("tests/real/dog_scene.lua").has_data()
 end
 
+-- The name of the scene of real data where that is, else of the other one.
+function scenes.dog_or(name) return scenes.can_make("dog") and "dog" or name end
+
 -- The scene, and what tetrahedralize reported.
 function scenes.make(name)
   local size = sizes[name]
