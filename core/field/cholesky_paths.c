@@ -7,27 +7,11 @@
 
 #include <string.h>
 
-/* The half solves of columns of the identity. */
-static sn_status half_identity(sn_half_solve **out, const sn_cholesky *c, const int32_t *index, int32_t n,
-                               const sn_run *run, sn_error *err)
-{
-    int32_t *ptr = SN_NEW(int32_t, (size_t)n + 1);
-    double *one = SN_NEW(double, n);
-    *out = NULL;
-    sn_status st = ptr && one ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n);
-    for (int32_t j = 0; !st && j <= n; j++) ptr[j] = j;
-    for (int32_t j = 0; !st && j < n; j++) one[j] = 1.0;
-    if (!st) st = sn_half_solve_create(out, c, &(sn_sparse_vectors){n, ptr, index, one}, run, err);
-    sn_release(ptr);
-    sn_release(one);
-    return st;
-}
-
 sn_status sn_cholesky_inverse_block(const sn_cholesky *c, const int32_t *index, int32_t n_index,
                                     const sn_run *run, double *out, sn_error *err)
 {
     sn_half_solve *h;
-    sn_status st = half_identity(&h, c, index, n_index, run, err);
+    sn_status st = sn_half_solve_create_units(&h, c, index, n_index, run, err);
     if (!st) sn_half_solve_gram(h, out);
     sn_half_solve_destroy(h);
     return st;
@@ -50,7 +34,7 @@ sn_status sn_cholesky_solve_held(const sn_cholesky *c, const int32_t *index, int
     double *block = SN_NEW(double, p *p), *source = SN_NEW(double, p *(size_t)n_rhs);
     double **column = columns_of(x, c->order->n, n_rhs);
     sn_status st = block && source && column
-                       ? half_identity(&h, c, index, n_index, run, err)
+                       ? sn_half_solve_create_units(&h, c, index, n_index, run, err)
                        : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d values", n_index);
     if (!st) {
         sn_half_solve_gram(h, block);

@@ -155,6 +155,21 @@ sn_status sn_half_solve_create(sn_half_solve **out, const sn_cholesky *c, const 
     return st;
 }
 
+sn_status sn_half_solve_create_units(sn_half_solve **out, const sn_cholesky *c, const int32_t *index,
+                                     int32_t n, const sn_run *run, sn_error *err)
+{
+    int32_t *ptr = SN_NEW(int32_t, (size_t)n + 1);
+    double *one = SN_NEW(double, n);
+    *out = NULL;
+    sn_status st = ptr && one ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d columns", n);
+    for (int32_t j = 0; !st && j <= n; j++) ptr[j] = j;
+    for (int32_t j = 0; !st && j < n; j++) one[j] = 1.0;
+    if (!st) st = sn_half_solve_create(out, c, &(sn_sparse_vectors){n, ptr, index, one}, run, err);
+    sn_release(ptr);
+    sn_release(one);
+    return st;
+}
+
 int32_t sn_half_solve_count(const sn_half_solve *h)
 {
     return h->n_col;

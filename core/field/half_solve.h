@@ -22,6 +22,10 @@ typedef struct sn_half_solve sn_half_solve; /* opaque; const = may be used by ma
 /* c: borrowed with its factor, which must stay as it is. Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
 SN_MUST_USE sn_status sn_half_solve_create(sn_half_solve **out, const sn_cholesky *c,
                                            const sn_sparse_vectors *b, const sn_run *run, sn_error *err);
+/* The same of columns of the identity. index: n, one for each. */
+SN_MUST_USE sn_status sn_half_solve_create_units(sn_half_solve **out, const sn_cholesky *c,
+                                                 const int32_t *index, int32_t n, const sn_run *run,
+                                                 sn_error *err);
 void sn_half_solve_destroy(sn_half_solve *h);        /* NULL is fine */
 int32_t sn_half_solve_count(const sn_half_solve *h); /* columns */
 

@@ -3,58 +3,39 @@
 #include "base/alloc.h"
 #include "base/dense.h"
 
+#include <cblas.h>
 #include <string.h>
 
-/* Columns that are of no use any more may be twice as many as the others. */
-#define MOST_COLUMNS_REL 3
-
-typedef struct part { /* columns that were half solved together */
-    sn_half_solve *y;
-    int32_t first, n;
-} part;
-
+/* The unknowns that terms touch are numbered 0 .. n - 1. */
 struct sn_low_rank {
-    const sn_cholesky *c;
-    part *part;
-    int32_t n_part;
-    int32_t width, n; /* columns; terms among them */
-    int32_t *ptr, *index;
-    double *value;  /* the columns' vectors                         */
-    double *weight; /* width: 0 of what is no term                  */
-    double *gram;   /* width x width: Y'Y                           */
-    int32_t *term;  /* n: their columns                             */
-    double *s;      /* n x n: LU factors                            */
-    int32_t *pivot; /* n                                            */
+    sn_unit_columns e;
+    int32_t n, *column;        /* n: where each is among the columns                            */
+    int32_t n_term, *ptr, *at; /* n_term + 1, ptr[n_term]: touched unknowns of the terms, once each */
+    double *value, *weight;    /* ptr[n_term], n_term                                           */
+    double *g;                 /* width x n: the columns of the Gram matrix                     */
+    double *s;                 /* n x n: LU factors of I + G M                                  */
+    int32_t *pivot;            /* n                                                             */
 };
 
 static void drop_terms(sn_low_rank *r)
 {
-    sn_release(r->term);
-    sn_release(r->s);
-    sn_release(r->pivot);
-    r->term = r->pivot = NULL;
-    r->s = NULL;
-    r->n = 0;
-    for (int32_t k = 0; k < r->width; k++) r->weight[k] = 0.0;
-}
-
-static void drop_columns(sn_low_rank *r)
-{
-    drop_terms(r);
-    for (int32_t i = 0; i < r->n_part; i++) sn_half_solve_destroy(r->part[i].y);
-    sn_release(r->part);
+    sn_unit_columns e = r->e;
+    sn_release(r->column);
     sn_release(r->ptr);
-    sn_release(r->index);
+    sn_release(r->at);
     sn_release(r->value);
     sn_release(r->weight);
-    sn_release(r->gram);
-    *r = (sn_low_rank){.c = r->c};
+    sn_release(r->g);
+    sn_release(r->s);
+    sn_release(r->pivot);
+    *r = (sn_low_rank){.e = e};
 }
 
 void sn_low_rank_destroy(sn_low_rank *r)
 {
     if (!r) return;
-    drop_columns(r);
+    drop_terms(r);
+    sn_unit_columns_free(&r->e);
     sn_release(r);
 }
 
@@ -62,260 +43,206 @@ sn_status sn_low_rank_create(sn_low_rank **out, const sn_cholesky *c, sn_error *
 {
     sn_low_rank *r = *out = SN_NEW_ZERO(sn_low_rank, 1);
     if (!r) return sn_fail(err, SN_ENOMEM, "cholesky: no memory");
-    r->c = c;
+    r->e.c = c;
     return SN_OK;
-}
-
-/* ---- columns ---- */
-
-static bool same_vector(const sn_sparse_vectors *a, int32_t i, const sn_sparse_vectors *b, int32_t j)
-{
-    int32_t n = a->ptr[i + 1] - a->ptr[i];
-    if (n != b->ptr[j + 1] - b->ptr[j]) return false;
-    for (int32_t e = 0; e < n; e++)
-        if (a->index[a->ptr[i] + e] != b->index[b->ptr[j] + e] ||
-            a->value[a->ptr[i] + e] != b->value[b->ptr[j] + e])
-            return false;
-    return true;
-}
-
-/* column[i]: where u's vector i is, -1 when it is new; a column serves one vector. Returns how many are
- * there. */
-static int32_t find_columns(const sn_low_rank *r, const sn_sparse_vectors *u, bool *is_used, int32_t *column)
-{
-    const sn_sparse_vectors own = sn_low_rank_vectors(r);
-    int32_t n_found = 0;
-    for (int32_t i = 0; i < u->n; i++) {
-        column[i] = -1;
-        for (int32_t k = 0; k < own.n && column[i] < 0; k++)
-            if (!is_used[k] && same_vector(u, i, &own, k)) column[i] = k;
-        if (column[i] < 0) continue;
-        is_used[column[i]] = true;
-        n_found++;
-    }
-    return n_found;
-}
-
-/* The vectors of u without a column, behind the others. */
-static sn_status append_vectors(sn_low_rank *r, const sn_sparse_vectors *u, int32_t *column, int32_t n_new,
-                                sn_error *err)
-{
-    int32_t before = r->width > 0 ? r->ptr[r->width] : 0;
-    size_t width = (size_t)r->width + (size_t)n_new, n_entry = (size_t)before + (size_t)u->ptr[u->n];
-    int32_t *ptr = sn_realloc(r->ptr, width + 1, sizeof *ptr);
-    if (ptr) r->ptr = ptr;
-    int32_t *index = sn_realloc(r->index, n_entry, sizeof *index);
-    if (index) r->index = index;
-    double *value = sn_realloc(r->value, n_entry, sizeof *value);
-    if (value) r->value = value;
-    double *weight = sn_realloc(r->weight, width, sizeof *weight);
-    if (weight) r->weight = weight;
-    if (!ptr || !index || !value || !weight)
-        return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu terms", width);
-    int32_t k = r->width;
-    ptr[k] = before;
-    for (int32_t i = 0; i < u->n; i++) {
-        if (column[i] >= 0) continue;
-        int32_t n = u->ptr[i + 1] - u->ptr[i];
-        if (n > 0) memcpy(index + ptr[k], u->index + u->ptr[i], (size_t)n * sizeof *index);
-        if (n > 0) memcpy(value + ptr[k], u->value + u->ptr[i], (size_t)n * sizeof *value);
-        ptr[k + 1] = ptr[k] + n;
-        weight[k] = 0.0;
-        column[i] = k++;
-    }
-    return SN_OK;
-}
-
-/* Y'Y with a new part: what is known stays. */
-static sn_status extend_gram(sn_low_rank *r, const part *new, sn_error *err)
-{
-    size_t old = (size_t) new->first, n = (size_t) new->n, width = old + n;
-    double *gram = SN_NEW(double, width *width), *block = SN_NEW(double, width *n);
-    sn_status st =
-        gram && block ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu terms", width);
-    for (size_t j = 0; !st && j < old; j++) memcpy(gram + j * width, r->gram + j * old, old * sizeof *gram);
-    for (int32_t p = 0; !st && p <= r->n_part; p++) {
-        const part *with = p < r->n_part ? &r->part[p] : new;
-        if (with == new)
-            sn_half_solve_gram(new->y, block);
-        else
-            sn_half_solve_product(with->y, new->y, block);
-        for (size_t j = 0; j < n; j++)
-            for (size_t i = 0; i < (size_t)with->n; i++) {
-                size_t a = (size_t)with->first + i, b = old + j;
-                gram[b * width + a] = gram[a * width + b] = block[j * (size_t)with->n + i];
-            }
-    }
-    sn_release(block);
-    if (st) {
-        sn_release(gram);
-        return st;
-    }
-    sn_release(r->gram);
-    r->gram = gram;
-    return SN_OK;
-}
-
-/* Half solves of the vectors from r->width on. */
-static sn_status append_part(sn_low_rank *r, int32_t n_new, const sn_run *run, sn_error *err)
-{
-    int32_t *ptr = SN_NEW(int32_t, (size_t)n_new + 1), first = r->width;
-    part new = {NULL, first, n_new}, *all = sn_realloc(r->part, (size_t)r->n_part + 1, sizeof *all);
-    if (all) r->part = all;
-    sn_status st = ptr && all ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", n_new);
-    for (int32_t i = 0; !st && i <= n_new; i++) ptr[i] = r->ptr[first + i] - r->ptr[first];
-    if (!st) {
-        const sn_sparse_vectors u = {n_new, ptr, r->index + r->ptr[first], r->value + r->ptr[first]};
-        st = sn_half_solve_create(&new.y, r->c, &u, run, err);
-    }
-    if (!st) st = extend_gram(r, &new, err);
-    sn_release(ptr);
-    if (st) {
-        sn_half_solve_destroy(new.y);
-        return st;
-    }
-    r->part[r->n_part++] = new;
-    r->width += n_new;
-    return SN_OK;
-}
-
-/* column: u->n, receives where each is. */
-static sn_status need_columns(sn_low_rank *r, const sn_sparse_vectors *u, int32_t *column, const sn_run *run,
-                              sn_error *err)
-{
-    bool *is_used = SN_NEW_ZERO(bool, r->width);
-    if (!is_used) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", u->n);
-    int32_t n_new = u->n - find_columns(r, u, is_used, column);
-    sn_release(is_used);
-    if (r->width + n_new > MOST_COLUMNS_REL * u->n) { /* mostly of no use: anew */
-        drop_columns(r);
-        n_new = u->n;
-        for (int32_t i = 0; i < u->n; i++) column[i] = -1;
-    }
-    if (n_new == 0) return SN_OK;
-    sn_status st = append_vectors(r, u, column, n_new, err);
-    return st ? st : append_part(r, n_new, run, err);
 }
 
 /* ---- terms ---- */
 
-/* LU factors of S = diag(1/w) + Y'Y of the terms. */
-static sn_status factorize(sn_low_rank *r, const int32_t *column, const double *weight, int32_t n,
-                           sn_error *err)
+/* Where x is among the first *n of list; it is appended when it is not there. */
+static int32_t find_or_append(int32_t *list, int32_t *n, int32_t x)
 {
-    r->term = SN_NEW(int32_t, n);
-    r->s = SN_NEW(double, (size_t)n *(size_t)n);
-    r->pivot = SN_NEW(int32_t, n);
-    if (!r->term || !r->s || !r->pivot) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", n);
-    for (int32_t j = 0; j < n; j++) {
-        r->term[j] = column[j];
-        r->weight[column[j]] = weight[j];
-        for (int32_t i = 0; i < n; i++)
-            r->s[(size_t)j * (size_t)n + (size_t)i] =
-                r->gram[(size_t)column[j] * (size_t)r->width + (size_t)column[i]];
-        r->s[(size_t)j * (size_t)n + (size_t)j] += 1.0 / weight[j];
-    }
-    r->n = n;
-    return n > 0 ? sn_dense_factorize(r->s, n, r->pivot, err) : SN_OK;
+    int32_t i = 0;
+    while (i < *n && list[i] != x) i++;
+    if (i == *n) list[(*n)++] = x;
+    return i;
 }
 
-sn_status sn_low_rank_set(sn_low_rank *r, const sn_sparse_vectors *u, const double *weight, int32_t n_term,
-                          const sn_run *run, sn_error *err)
+/* Copies the terms. unknown: receives those that they touch, then the probes that are not among them.
+ * Returns how many. */
+static int32_t take_terms(sn_low_rank *r, const sn_low_rank_terms *t, int32_t *unknown)
 {
-    int32_t *column = SN_NEW(int32_t, u->n);
+    int32_t n = 0;
+    r->ptr[0] = 0;
+    for (int32_t j = 0; j < t->u.n; j++) {
+        int32_t end = r->ptr[j];
+        for (int32_t e = t->u.ptr[j]; e < t->u.ptr[j + 1]; e++) {
+            int32_t i = find_or_append(unknown, &n, t->u.index[e]), k = r->ptr[j];
+            while (k < end && r->at[k] != i) k++;
+            if (k == end) {
+                r->value[end] = 0.0;
+                r->at[end++] = i;
+            }
+            r->value[k] += t->u.value[e];
+        }
+        r->ptr[j + 1] = end;
+        r->weight[j] = t->weight[j];
+    }
+    r->n_term = t->u.n;
+    r->n = n;
+    for (int32_t i = 0; i < t->n_probe; i++) (void)find_or_append(unknown, &n, t->probe[i]);
+    return n;
+}
+
+static double term_times(const sn_low_rank *r, int32_t j, const double *x)
+{
+    double sum = 0.0;
+    for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) sum += r->value[e] * x[r->at[e]];
+    return sum;
+}
+
+/* s := I + G M, term by term: M is the sum of w u u'. gu: room for n. */
+static void fill_s(sn_low_rank *r, double *gu)
+{
+    size_t n = (size_t)r->n, width = (size_t)r->e.width;
+    memset(r->s, 0, n * n * sizeof *r->s);
+    for (size_t i = 0; i < n; i++) r->s[i * n + i] = 1.0;
+    for (int32_t j = 0; j < r->n_term; j++) {
+        memset(gu, 0, n * sizeof *gu);
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) {
+            const double *g = r->g + (size_t)r->at[e] * width;
+            for (size_t i = 0; i < n; i++) gu[i] += r->weight[j] * r->value[e] * g[r->column[i]];
+        }
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
+            for (size_t i = 0; i < n; i++) r->s[(size_t)r->at[e] * n + i] += r->value[e] * gu[i];
+    }
+}
+
+static sn_status factorize(sn_low_rank *r, sn_error *err)
+{
+    size_t n = (size_t)r->n, width = (size_t)r->e.width;
+    double *gu = SN_NEW(double, n);
+    r->g = SN_NEW(double, width *n);
+    r->s = SN_NEW(double, n *n);
+    r->pivot = SN_NEW(int32_t, n);
+    sn_status st = gu && r->g && r->s && r->pivot
+                       ? SN_OK
+                       : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu unknowns", n);
+    if (!st && n > 0) {
+        for (size_t i = 0; i < n; i++)
+            memcpy(r->g + i * width, r->e.gram + (size_t)r->column[i] * width, width * sizeof *r->g);
+        fill_s(r, gu);
+        st = sn_dense_factorize(r->s, r->n, r->pivot, err);
+    }
+    sn_release(gu);
+    return st;
+}
+
+static sn_status set_terms(sn_low_rank *r, const sn_low_rank_terms *t, int32_t *unknown, const sn_run *run,
+                           sn_error *err)
+{
+    size_t n_entry = (size_t)t->u.ptr[t->u.n], most = n_entry + (size_t)t->n_probe;
+    r->column = SN_NEW(int32_t, most);
+    r->ptr = SN_NEW(int32_t, (size_t)t->u.n + 1);
+    r->at = SN_NEW(int32_t, n_entry);
+    r->value = SN_NEW(double, n_entry);
+    r->weight = SN_NEW(double, t->u.n);
+    if (!unknown || !r->column || !r->ptr || !r->at || !r->value || !r->weight)
+        return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", t->u.n);
+    int32_t n = take_terms(r, t, unknown);
+    sn_status st = sn_unit_columns_need(&r->e, unknown, n, r->column, run, err);
+    return st ? st : factorize(r, err);
+}
+
+sn_status sn_low_rank_set(sn_low_rank *r, const sn_low_rank_terms *terms, const sn_run *run, sn_error *err)
+{
+    size_t most = (size_t)terms->u.ptr[terms->u.n] + (size_t)terms->n_probe;
+    int32_t *unknown = SN_NEW(int32_t, most);
     drop_terms(r);
-    sn_status st = column ? need_columns(r, u, column, run, err)
-                          : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", u->n);
-    if (!st) st = factorize(r, column, weight, n_term, err);
-    if (st) drop_columns(r);
-    sn_release(column);
+    sn_status st = set_terms(r, terms, unknown, run, err);
+    if (st) drop_terms(r);
+    sn_release(unknown);
     return st;
 }
 
 int32_t sn_low_rank_count(const sn_low_rank *r)
 {
-    return r ? r->n : 0;
+    return r ? r->n_term : 0;
 }
 
-int32_t sn_low_rank_width(const sn_low_rank *r)
+const sn_unit_columns *sn_low_rank_columns(const sn_low_rank *r)
 {
-    return r->width;
-}
-
-sn_sparse_vectors sn_low_rank_vectors(const sn_low_rank *r)
-{
-    return (sn_sparse_vectors){r->width, r->ptr, r->index, r->value};
-}
-
-int32_t sn_low_rank_part_count(const sn_low_rank *r)
-{
-    return r->n_part;
-}
-
-const sn_half_solve *sn_low_rank_part(const sn_low_rank *r, int32_t i_part, int32_t *first, int32_t *n)
-{
-    *first = r->part[i_part].first;
-    *n = r->part[i_part].n;
-    return r->part[i_part].y;
+    return &r->e;
 }
 
 /* ---- right-hand sides ---- */
 
-/* to += sign G from, both over all columns. */
-static void add_gram(const sn_low_rank *r, double sign, const double *from, double *to)
+/* y += scale U w, on the unknowns touched. */
+static void add_sum(const sn_low_rank *r, double scale, double *y)
 {
-    size_t width = (size_t)r->width;
-    for (int32_t k = 0; k < r->n; k++) {
-        const double *g = r->gram + (size_t)r->term[k] * width;
-        double x = sign * from[r->term[k]];
-        for (size_t i = 0; i < width; i++) to[i] += x * g[i];
+    for (int32_t j = 0; j < r->n_term; j++)
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) y[r->at[e]] += scale * r->weight[j] * r->value[e];
+}
+
+/* y += scale M x, on the unknowns touched. */
+static void add_product(const sn_low_rank *r, double scale, const double *x, double *y)
+{
+    for (int32_t j = 0; j < r->n_term; j++) {
+        double sum = scale * r->weight[j] * term_times(r, j, x);
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) y[r->at[e]] += sum * r->value[e];
     }
 }
 
-/* t = Y'z becomes what is seen, f the factor; x: room for n. */
-static sn_status factor_column(const sn_low_rank *r, bool has_sum, double *t, double *f, double *x,
-                               sn_error *err)
+typedef struct solving { /* right-hand sides on the unknowns touched, each n x n_rhs */
+    double *s;           /* the solutions                          */
+    double *f;           /* what the columns are multiplied with   */
+} solving;
+
+static sn_status solve_touched(const sn_low_rank *r, int32_t n_rhs, const bool *has_sum, const double *seen,
+                               const solving *v, sn_error *err)
 {
-    memset(f, 0, (size_t)r->width * sizeof *f);
-    if (has_sum) add_gram(r, 1.0, r->weight, t);
-    for (int32_t k = 0; k < r->n; k++) x[k] = t[r->term[k]];
-    sn_status st = r->n > 0 ? sn_dense_solve_factorized(r->s, r->n, r->pivot, x, 1, err) : SN_OK;
-    for (int32_t k = 0; k < r->n; k++) f[r->term[k]] = -x[k];
-    add_gram(r, 1.0, f, t);
-    for (int32_t k = 0; k < r->n; k++)
-        t[r->term[k]] = x[k] / r->weight[r->term[k]]; /* the same, with less rounding */
-    for (int32_t k = 0; has_sum && k < r->n; k++) f[r->term[k]] += r->weight[r->term[k]];
+    size_t n = (size_t)r->n, width = (size_t)r->e.width;
+    memset(v->f, 0, n * (size_t)n_rhs * sizeof *v->f);
+    for (size_t j = 0; j < (size_t)n_rhs; j++) {
+        double *s = v->s + j * n, *f = v->f + j * n;
+        for (size_t i = 0; i < n; i++) s[i] = seen[j * width + (size_t)r->column[i]];
+        if (!has_sum[j]) continue;
+        add_sum(r, 1.0, f);
+        for (size_t k = 0; k < n; k++)
+            for (size_t i = 0; i < n; i++) s[i] += f[k] * r->g[k * width + (size_t)r->column[i]];
+    }
+    sn_status st = sn_dense_solve_factorized(r->s, r->n, r->pivot, v->s, n_rhs, err);
+    for (size_t j = 0; !st && j < (size_t)n_rhs; j++) add_product(r, -1.0, v->s + j * n, v->f + j * n);
     return st;
 }
 
 sn_status sn_low_rank_factor(const sn_low_rank *r, int32_t n_rhs, const bool *has_sum, double *seen,
                              double *factor, sn_error *err)
 {
-    size_t width = (size_t)r->width;
-    double *x = SN_NEW(double, r->n);
-    sn_status st = x ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", r->n);
-    for (size_t j = 0; !st && j < (size_t)n_rhs; j++)
-        st = factor_column(r, has_sum[j], seen + j * width, factor + j * width, x, err);
-    sn_release(x);
+    size_t n = (size_t)r->n, width = (size_t)r->e.width, count = (size_t)n_rhs;
+    memset(factor, 0, width * count * sizeof *factor);
+    if (n == 0 || count == 0) return SN_OK;
+    solving v = {SN_NEW(double, n *count), SN_NEW(double, n *count)};
+    sn_status st = v.s && v.f ? solve_touched(r, n_rhs, has_sum, seen, &v, err)
+                              : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", r->n_term);
+    if (!st)
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)width, n_rhs, (int)n, 1.0, r->g,
+                    (int)width, v.f, (int)n, 1.0, seen, (int)width);
+    for (size_t j = 0; !st && j < count; j++)
+        for (size_t i = 0; i < n; i++) {
+            size_t k = j * width + (size_t)r->column[i];
+            factor[k] = v.f[j * n + i];
+            seen[k] = v.s[j * n + i]; /* the same, with less rounding */
+        }
+    sn_release(v.s);
+    sn_release(v.f);
     return st;
 }
 
 void sn_low_rank_add_product(const sn_low_rank *r, const double *x, double *y)
 {
-    for (int32_t k = 0; k < r->n; k++) {
-        int32_t j = r->term[k];
+    for (int32_t j = 0; j < r->n_term; j++) {
         double sum = 0.0;
-        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) sum += r->value[e] * x[r->index[e]];
         for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
-            y[r->index[e]] += r->weight[j] * r->value[e] * sum;
+            sum += r->value[e] * x[r->e.unknown[r->column[r->at[e]]]];
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
+            y[r->e.unknown[r->column[r->at[e]]]] += r->weight[j] * r->value[e] * sum;
     }
 }
 
 void sn_low_rank_add_sum(const sn_low_rank *r, double scale, double *y)
 {
-    for (int32_t k = 0; k < r->n; k++) {
-        int32_t j = r->term[k];
+    for (int32_t j = 0; j < r->n_term; j++)
         for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
-            y[r->index[e]] += scale * r->weight[j] * r->value[e];
-    }
+            y[r->e.unknown[r->column[r->at[e]]]] += scale * r->weight[j] * r->value[e];
 }

@@ -31,7 +31,7 @@ static void free_job(block_job *j)
 
 static sn_status init_job(block_job *j, sn_error *err)
 {
-    size_t n = (size_t)j->b->n, width = (size_t)sn_low_rank_width(j->system->change);
+    size_t n = (size_t)j->b->n, width = (size_t)sn_low_rank_columns(j->system->change)->width;
     sn_status st = sn_tissue_rhs_init(&j->rhs, j->s, j->b->tissue, j->b->n, &j->system->base, err);
     j->place = SN_NEW(sn_half_place, n);
     j->has_sum = SN_NEW_ZERO(bool, n);
@@ -61,17 +61,18 @@ static sn_status one_product(void *user, int32_t i, const sn_run *run, sn_error 
 {
     const product_job *p = user;
     const block_job *j = p->j;
-    int32_t first, n, i_batch = i / p->n_part, width = sn_low_rank_width(j->system->change);
+    const sn_unit_columns *e = sn_low_rank_columns(j->system->change);
+    const sn_unit_part *part = &e->part[i % p->n_part];
+    int32_t i_batch = i / p->n_part, n = part->n;
     if (!needs_batch(j, i_batch)) return SN_OK; /* kept for other tissues */
-    const sn_half_solve *y = sn_low_rank_part(j->system->change, i % p->n_part, &first, &n);
     const sn_half_solve *z = j->system->half.batch[i_batch].z;
     sn_status st = sn_run_step(run, "solving", -1.0, err);
     double *product = st ? NULL : SN_NEW(double, (size_t)n *(size_t)sn_half_solve_count(z));
     if (!st && !product) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", n);
-    if (!st) sn_half_solve_product(y, z, product);
+    if (!st) sn_half_solve_product(part->y, z, product);
     for (int32_t c = 0; !st && c < j->b->n; c++)
         if (j->place[c].i_batch == i_batch)
-            memcpy(j->seen + (size_t)c * (size_t)width + first,
+            memcpy(j->seen + (size_t)c * (size_t)e->width + part->first,
                    product + (size_t)j->place[c].column * (size_t)n, (size_t)n * sizeof *product);
     sn_release(product);
     return st;
@@ -83,7 +84,7 @@ static sn_status go_forward(block_job *j, const sn_run *run, sn_error *err)
     sn_status st = sn_half_cache_need(&j->system->half, j->system->cholesky, &b, run, j->place, err);
     if (st) return st;
     for (int32_t c = 0; c < j->b->n; c++) j->has_sum[c] = j->b->tissue[c] == 0;
-    product_job p = {j, sn_low_rank_part_count(j->system->change)};
+    product_job p = {j, sn_low_rank_columns(j->system->change)->n_part};
     st = sn_run_each(run, p.n_part * j->system->half.n_batch, one_product, &p, err);
     return st ? st : sn_low_rank_factor(j->system->change, j->b->n, j->has_sum, j->seen, j->factor, err);
 }
@@ -94,16 +95,14 @@ static sn_status go_forward(block_job *j, const sn_run *run, sn_error *err)
  * of two fields is harmonic there. */
 static double worst_seen(const block_job *j, int32_t column)
 {
-    const sn_sparse_vectors u = sn_low_rank_vectors(j->system->change);
-    const double *now = j->seen + (size_t)column * (size_t)u.n;
+    const sn_unit_columns *e = sn_low_rank_columns(j->system->change);
+    const double *now = j->seen + (size_t)column * (size_t)e->width;
     int32_t tissue = j->b->tissue[column];
     const double *field = j->b->field + (size_t)tissue * (size_t)j->s->body->mesh.n_vert;
     double worst = 0.0;
-    for (int32_t k = 0; k < u.n; k++) {
-        double was = 0.0;
-        for (int32_t e = u.ptr[k]; e < u.ptr[k + 1]; e++)
-            was += u.value[e] * (tissue == 0 ? j->cover[u.index[e]] : field[j->s->vertex_of[u.index[e]]]);
-        worst = fmax(worst, fabs(now[k] - was));
+    for (int32_t k = 0; k < e->width; k++) {
+        int32_t u = e->unknown[k];
+        worst = fmax(worst, fabs(now[k] - (tissue == 0 ? j->cover[u] : field[j->s->vertex_of[u]])));
     }
     return tissue == 0 ? j->b->fat * worst : worst;
 }
@@ -153,24 +152,21 @@ static void add_batches(const block_job *j, combination *k)
 
 static sn_status combine(const block_job *j, combination *k, sn_error *err)
 {
-    int32_t n_part = sn_low_rank_part_count(j->system->change);
+    const sn_unit_columns *e = sn_low_rank_columns(j->system->change);
     for (int32_t i = 0; i < j->system->half.n_batch; i++)
         k->n_row += sn_half_solve_count(j->system->half.batch[i].z);
-    k->term = SN_NEW(sn_half_term, (size_t)j->system->half.n_batch + (size_t)n_part);
+    k->term = SN_NEW(sn_half_term, (size_t)j->system->half.n_batch + (size_t)e->n_part);
     k->select = SN_NEW_ZERO(double, (size_t)k->n_row *(size_t)j->n_go);
     if (!k->term || !k->select) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->n_go);
     add_batches(j, k);
-    for (int32_t i = 0; i < n_part; i++) {
-        int32_t first, n;
-        const sn_half_solve *y = sn_low_rank_part(j->system->change, i, &first, &n);
-        k->term[k->n_term++] = (sn_half_term){y, j->factor + first, sn_low_rank_width(j->system->change)};
-    }
+    for (int32_t i = 0; i < e->n_part; i++)
+        k->term[k->n_term++] = (sn_half_term){e->part[i].y, j->factor + e->part[i].first, e->width};
     return SN_OK;
 }
 
 static sn_status go_back(block_job *j, const sn_run *run, sn_error *err)
 {
-    size_t width = (size_t)sn_low_rank_width(j->system->change);
+    size_t width = (size_t)sn_low_rank_columns(j->system->change)->width;
     combination k = {0};
     for (size_t g = 0; g < (size_t)j->n_go; g++) {
         size_t c = (size_t)j->go[g]; /* >= g: the factors move up */

@@ -3,17 +3,19 @@
 #include "base/alloc.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* Rows that a factor may be off by: a new one costs about a right-hand side, forward only (unknowns^4/3), a
- * new factor unknowns^2; all rows together the factors of a dense matrix, which bounds them in any case. */
+/* Unknowns that what a factor is off by may touch: a new one costs about a right-hand side, forward only
+ * (unknowns^4/3), a new factor unknowns^2; all together the factors of a dense matrix, which bounds them in
+ * any case. */
 #define CHANGES_PER_SIZE 0.35 /* of unknowns^2/3 */
 enum { least_changes = 200, most_changes = 2000 };
 /* A factor worse than this is used as it is, but no change is built on it. */
 #define LEAST_RCOND 1e-12
-/* Rows of before at which fields are looked at; when more are gone, all fields are solved for. */
+/* Unknowns of rows of before at which fields are looked at; when there are more, all fields are solved for.
+ */
 #define MOST_PROBES 200
-#define PROBE_EVERY 3 /* neighbours along a curve see about the same */
 
 void sn_tissue_system_free(sn_tissue_system *s)
 {
@@ -68,10 +70,11 @@ static sn_status factorize(sn_tissue_system *s, const sn_tissue_rows *rows, sn_c
 /* ---- what changed ---- */
 
 typedef struct terms {
-    sn_row *row; /* gained ones first, then lost ones, then probes */
-    int32_t n, n_term, n_gained;
-    int32_t *ptr, *index;
+    sn_row *row; /* gained ones, then lost ones, then ones that went since a field was solved for */
+    int32_t n_gained, n_term, n_row;
+    int32_t *ptr, *index; /* n_row + 1, ptr[n_row]: unknowns */
     double *value, *weight;
+    int32_t *probe, n_probe; /* unknowns of those that went */
 } terms;
 
 static void terms_free(terms *t)
@@ -81,10 +84,11 @@ static void terms_free(terms *t)
     sn_release(t->index);
     sn_release(t->value);
     sn_release(t->weight);
+    sn_release(t->probe);
 }
 
-static sn_status find_terms(terms *t, const sn_row_set *base, const sn_row_set *now, const sn_row_set *past,
-                            sn_error *err)
+static sn_status find_rows(terms *t, const sn_row_set *base, const sn_row_set *now, const sn_row_set *past,
+                           sn_error *err)
 {
     size_t most = (size_t)now->n + (size_t)base->n + (size_t)past->n;
     sn_row *gone = SN_NEW(sn_row, past->n);
@@ -96,23 +100,20 @@ static sn_status find_terms(terms *t, const sn_row_set *base, const sn_row_set *
     t->n_gained = sn_row_set_less(now, base, t->row);
     t->n_term = t->n_gained + sn_row_set_less(base, now, t->row + t->n_gained);
     const sn_row_set without = {gone, sn_row_set_less(past, now, gone)};
-    sn_row *probe = t->row + t->n_term;
-    int32_t n_probe = sn_row_set_less(&without, base, probe);
-    t->n = t->n_term;
-    for (int32_t i = 0; i < n_probe; i += PROBE_EVERY) t->row[t->n++] = probe[i];
+    t->n_row = t->n_term + sn_row_set_less(&without, base, t->row + t->n_term);
     sn_release(gone);
     return SN_OK;
 }
 
-static sn_status fill_terms(terms *t, const sn_tissue_rows *rows, sn_error *err)
+static sn_status fill_rows(terms *t, const sn_tissue_rows *rows, sn_error *err)
 {
-    t->ptr = SN_NEW_ZERO(int32_t, (size_t)t->n + 1);
-    t->index = SN_NEW(int32_t, 4 * (size_t)t->n);
-    t->value = SN_NEW(double, 4 * (size_t)t->n);
-    t->weight = SN_NEW(double, t->n);
+    t->ptr = SN_NEW_ZERO(int32_t, (size_t)t->n_row + 1);
+    t->index = SN_NEW(int32_t, 4 * (size_t)t->n_row);
+    t->value = SN_NEW(double, 4 * (size_t)t->n_row);
+    t->weight = SN_NEW(double, t->n_row);
     if (!t->ptr || !t->index || !t->value || !t->weight)
-        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", t->n);
-    for (int32_t j = 0; j < t->n; j++) {
+        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", t->n_row);
+    for (int32_t j = 0; j < t->n_row; j++) {
         int32_t n = t->ptr[j];
         for (int k = 0; k < 4; k++) {
             int32_t u = rows->number[rows->tet[4 * (size_t)t->row[j].tet + (size_t)k]];
@@ -121,8 +122,42 @@ static sn_status fill_terms(terms *t, const sn_tissue_rows *rows, sn_error *err)
             t->value[n++] = t->row[j].bary[k];
         }
         t->ptr[j + 1] = n;
-        t->weight[j] = j < t->n_gained ? rows->alpha : j < t->n_term ? -rows->alpha : 0.0;
+        t->weight[j] = j < t->n_gained ? rows->alpha : -rows->alpha;
     }
+    return SN_OK;
+}
+
+static int compare(const void *pa, const void *pb)
+{
+    int32_t a = *(const int32_t *)pa, b = *(const int32_t *)pb;
+    return a < b ? -1 : a > b;
+}
+
+/* Sorts, and keeps each once; returns how many. */
+static int32_t make_unique(int32_t *x, int32_t n)
+{
+    int32_t kept = 0;
+    if (n > 1) qsort(x, (size_t)n, sizeof *x, compare);
+    for (int32_t i = 0; i < n; i++)
+        if (kept == 0 || x[kept - 1] != x[i]) x[kept++] = x[i];
+    return kept;
+}
+
+/* *n_touched: unknowns of the terms. */
+static sn_status find_unknowns(terms *t, int32_t *n_touched, sn_error *err)
+{
+    int32_t n = t->ptr[t->n_term], n_gone = t->ptr[t->n_row] - n;
+    int32_t *touched = SN_NEW(int32_t, n);
+    t->probe = SN_NEW(int32_t, n_gone);
+    if (!touched || !t->probe) {
+        sn_release(touched);
+        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", t->n_row);
+    }
+    if (n > 0) memcpy(touched, t->index, (size_t)n * sizeof *touched);
+    if (n_gone > 0) memcpy(t->probe, t->index + n, (size_t)n_gone * sizeof *t->probe);
+    *n_touched = make_unique(touched, n);
+    t->n_probe = make_unique(t->probe, n_gone);
+    sn_release(touched);
     return SN_OK;
 }
 
@@ -145,16 +180,19 @@ static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool wi
 {
     terms t = {0};
     sn_row_set past = {0};
+    int32_t n_touched = 0;
     sn_status st = with_probes ? join_states(s, &past, err) : SN_OK;
-    if (!st) st = find_terms(&t, &s->base, rows->set, &past, err);
+    if (!st) st = find_rows(&t, &s->base, rows->set, &past, err);
     sn_row_set_free(&past);
-    *is_near = !st && t.n_term <= changes_allowed(rows->n_free);
-    s->can_see = with_probes && t.n - t.n_term <= MOST_PROBES;
-    if (!s->can_see) t.n = t.n_term;
-    if (!st && *is_near) st = fill_terms(&t, rows, err);
-    if (!st && *is_near)
-        st = sn_low_rank_set(s->change, &(sn_sparse_vectors){t.n, t.ptr, t.index, t.value}, t.weight,
-                             t.n_term, run, err);
+    if (!st) st = fill_rows(&t, rows, err);
+    if (!st) st = find_unknowns(&t, &n_touched, err);
+    *is_near = !st && n_touched <= changes_allowed(rows->n_free);
+    s->can_see = with_probes && t.n_probe <= MOST_PROBES;
+    if (*is_near) {
+        const sn_low_rank_terms change_of = {
+            {t.n_term, t.ptr, t.index, t.value}, t.weight, t.probe, s->can_see ? t.n_probe : 0};
+        st = sn_low_rank_set(s->change, &change_of, run, err);
+    }
     terms_free(&t);
     return st;
 }

@@ -176,7 +176,7 @@ static sn_status need_room(sn_scene *s, sn_error *err)
 
 /* Of the largest tissue value: 1e-3 is promised, and a field may change more than the places show at which
  * its change is measured. */
-#define QUICK_REL 2e-4
+#define QUICK_REL 5e-4
 
 static double largest_value(const sn_scene *s)
 {
