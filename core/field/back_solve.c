@@ -3,16 +3,14 @@
  * in registers. */
 #include "field/back_solve.h"
 
-#include "base/alloc.h"
-
 #include <string.h>
 
 enum {
-    lanes = 4,      /* right-hand sides in a vector                          */
     n_together = 4, /* columns of L at a time                                */
-    most_vecs = 3   /* vectors of right-hand sides: their sums stay in registers */
+    most_vecs = 3,  /* vectors of right-hand sides: their sums stay in registers */
+    panel = 16384   /* entries of L that stay in the cache for all right-hand sides */
 };
-typedef double vec __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double))));
+typedef double vec __attribute__((vector_size(SN_LANES * sizeof(double)), aligned(sizeof(double))));
 
 /* Fused multiply-adds where the processor has them: the same bits on every run of one machine, as of BLAS. */
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -25,9 +23,10 @@ typedef double vec __attribute__((vector_size(lanes * sizeof(double)), aligned(s
 typedef struct block { /* one supernode, some of the right-hand sides */
     const double *l;   /* all x own, column-major      */
     int own, all;
-    size_t stride;       /* values per row of x and below */
-    double *x;           /* its own rows                 */
-    const double *below; /* the rows below, gathered     */
+    int first, last;             /* columns to solve for: those from last on are done */
+    size_t stride, below_stride; /* values per row of x and below */
+    double *x;                   /* its own rows                 */
+    const double *below;         /* the rows below, gathered     */
 } block;
 
 typedef vec sums[n_together][most_vecs];
@@ -56,7 +55,7 @@ static inline __attribute__((always_inline)) void solve_columns(const block *b, 
     const double *l = b->l + (size_t)column * all;
     int next = column + n;
     add_products(l + next, b->all, b->own - next, b->x + (size_t)next * b->stride, b->stride, n, w, sum);
-    add_products(l + b->own, b->all, b->all - b->own, b->below, b->stride, n, w, sum);
+    add_products(l + b->own, b->all, b->all - b->own, b->below, b->below_stride, n, w, sum);
 #pragma GCC unroll 4
     for (int i = n - 1; i >= 0; i--) {
         vec *x = (vec *)(b->x + (size_t)(column + i) * b->stride);
@@ -73,9 +72,10 @@ static inline __attribute__((always_inline)) void solve_columns(const block *b, 
 
 static inline __attribute__((always_inline)) void solve_block(const block *b, int w)
 {
-    int column = b->own;
-    for (; column >= n_together; column -= n_together) solve_columns(b, column - n_together, n_together, w);
-    for (; column > 0; column--) solve_columns(b, column - 1, 1, w);
+    int column = b->last;
+    for (; column - b->first >= n_together; column -= n_together)
+        solve_columns(b, column - n_together, n_together, w);
+    for (; column > b->first; column--) solve_columns(b, column - 1, 1, w);
 }
 
 static void solve_4(const block *b)
@@ -125,49 +125,52 @@ typedef void (*solve_fn)(const block *);
 /* For so many right-hand sides. */
 static solve_fn solver_of(int32_t width)
 {
-    static const solve_fn plain[] = {solve_1, solve_4, solve_8, solve_12};
+    static const solve_fn plain[] = {NULL, solve_4, solve_8, solve_12};
 #if HAS_WIDE
-    static const solve_fn wide[] = {solve_1, solve_4_wide, solve_8_wide, solve_12_wide};
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return wide[width / lanes];
+    static const solve_fn wide[] = {NULL, solve_4_wide, solve_8_wide, solve_12_wide};
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return wide[width / SN_LANES];
 #endif
-    return plain[width / lanes];
+    return plain[width / SN_LANES];
 }
 
-int32_t sn_strip_width(int32_t n_rhs)
+int32_t sn_back_solve_width(int32_t n_rhs)
 {
-    return n_rhs == 1 ? 1 : (n_rhs + lanes - 1) / lanes * lanes;
+    return n_rhs == 1 ? 1 : (n_rhs + SN_LANES - 1) / SN_LANES * SN_LANES;
 }
 
-/* All right-hand sides, as many at a time as stay in registers: the supernode stays in the cache. */
-static void solve_supernode(const cholmod_factor *f, size_t k, double *x, int32_t width, double *below)
+/* All right-hand sides, as many at a time as stay in registers. */
+static void solve_panel(const block *b, int32_t n)
 {
-    const int32_t most = most_vecs * lanes;
-    size_t w = (size_t)width;
-    block b = {sn_super_block(f, k),
-               sn_super_own(f, k),
-               sn_super_all(f, k),
-               w,
-               x + (size_t)sn_supers(f)[k] * w,
-               below};
-    const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
-    for (int i = 0; i < b.all - b.own; i++)
-        memcpy(below + (size_t)i * w, x + (size_t)row[i] * w, w * sizeof *below);
-    for (int32_t from = 0; from < width; from += most) {
-        block part = b;
+    const int32_t most = most_vecs * SN_LANES;
+    for (int32_t from = 0; from < n; from += most) {
+        block part = *b;
         part.x += from;
         part.below += from;
-        solver_of(width - from < most ? width - from : most)(&part);
+        solver_of(n - from < most ? n - from : most)(&part);
     }
 }
 
-sn_status sn_back_solve(const cholmod_factor *f, double *x, int32_t width, const sn_run *run, sn_error *err)
+void sn_back_solve(const cholmod_factor *f, size_t k, const sn_strip *s)
 {
-    double *below = SN_NEW(double, f->maxesize *(size_t)width);
-    sn_status st = below ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu rows", f->maxesize);
-    for (size_t k = f->nsuper; !st && k-- > 0;) {
-        solve_supernode(f, k, x, width, below);
-        if (k % 1024 == 0) st = sn_run_step(run, "solving", -1.0, err);
+    size_t width = (size_t)s->width, n = (size_t)s->n;
+    block b = {.l = sn_super_block(f, k),
+               .own = sn_super_own(f, k),
+               .all = sn_super_all(f, k),
+               .stride = width,
+               .below_stride = n,
+               .x = s->x + (size_t)sn_supers(f)[k] * width + s->from,
+               .below = s->below};
+    const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
+    for (int i = 0; i < b.all - b.own; i++)
+        memcpy(s->below + (size_t)i * n, s->x + (size_t)row[i] * width + s->from, n * sizeof *s->below);
+    if (width == 1) {
+        solve_1(&b);
+        return;
     }
-    sn_release(below);
-    return st;
+    int n_column = panel / b.all / n_together * n_together;
+    if (n_column < n_together) n_column = n_together;
+    for (b.last = b.own; b.last > 0; b.last = b.first) {
+        b.first = b.last > n_column ? b.last - n_column : 0;
+        solve_panel(&b, s->n);
+    }
 }

@@ -5,13 +5,18 @@
 
 #include "field/cholesky_private.h"
 
-#define SN_STRIP_MAX 24 /* right-hand sides that go back together */
+#define SN_LANES 4 /* right-hand sides in a vector */
 
-int32_t sn_strip_width(int32_t n_rhs); /* values per row of x that n_rhs <= SN_STRIP_MAX of them take */
+int32_t sn_back_solve_width(int32_t n_rhs); /* values per row of x that so many of them take */
 
-/* x: n x width, row-major, in the order of elimination; width as above. Each column gets the same bits
- * whatever stands beside it, but for one that goes alone. Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
-SN_MUST_USE sn_status sn_back_solve(const cholmod_factor *f, double *x, int32_t width, const sn_run *run,
-                                    sn_error *err);
+typedef struct sn_strip { /* some right-hand sides */
+    double *x;            /* n x width, row-major, in the order of elimination */
+    int32_t width;        /* see above                                         */
+    int32_t from, n;      /* columns: multiples of SN_LANES, or the only one   */
+    double *below;        /* room for maxesize x n                             */
+} sn_strip;
+/* The rows of supernode k; those of its ancestors are solved for. A column gets the same bits whatever stands
+ * beside it, but for one that goes alone. */
+void sn_back_solve(const cholmod_factor *f, size_t k, const sn_strip *s);
 
 #endif

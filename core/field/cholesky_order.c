@@ -191,6 +191,7 @@ static void destroy(sn_order *o)
     sn_release(o->ptr);
     sn_release(o->idx);
     sn_release(o->from);
+    sn_tree_cut_free(&o->tree);
     sn_release(o);
 }
 
@@ -211,6 +212,7 @@ sn_status sn_order_create(sn_order **out, const sn_csr *a, const int32_t *number
     st = find_order(o, a, number, ordering_method == CHOLMOD_AMD, run, err);
     if (!st) st = find_places(o, number, err);
     if (!st) st = find_lower(o, a, err);
+    if (!st) st = sn_tree_cut_find(&o->tree, o->symbolic, o->super_of, err);
     if (!st) st = sn_run_step(run, "ordering the matrix", 1.0, err);
     if (st)
         sn_order_leave(o);

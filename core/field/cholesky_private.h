@@ -3,6 +3,7 @@
 #define SN_FIELD_CHOLESKY_PRIVATE_H
 
 #include "field/cholesky.h"
+#include "field/tree_cut.h"
 
 #include <cblas.h>
 #include <cholmod.h>
@@ -19,6 +20,7 @@ typedef struct sn_order {
     int32_t *super_of;           /* n: supernode of each column                                     */
     SuiteSparse_long *ptr, *idx; /* lower triangle: n + 1, ptr[n]; by ascending row in each column   */
     int64_t *from;               /* ptr[n]: where the whole matrix holds it                         */
+    sn_tree_cut tree;
 } sn_order;
 
 struct sn_cholesky {

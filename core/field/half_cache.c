@@ -7,40 +7,124 @@
 /* Each is a term of every solve. */
 enum { most_batches = 4 };
 
+static void free_batch(sn_half_batch *b)
+{
+    sn_half_solve_destroy(b->z);
+    sn_release(b->ptr);
+    sn_release(b->index);
+    sn_release(b->value);
+    sn_release(b->key);
+}
+
 void sn_half_cache_free(sn_half_cache *h)
 {
-    for (int32_t i = 0; i < h->n_batch; i++) sn_half_solve_destroy(h->batch[i].z);
+    for (int32_t i = 0; i < h->n_batch; i++) free_batch(&h->batch[i]);
     sn_release(h->batch);
-    sn_release(h->place);
     *h = (sn_half_cache){0};
 }
 
-/* FNV-1a, eight bytes at a time. */
-static uint64_t hash_of(const sn_sparse_vectors *b, int32_t j)
+static sn_sparse_vectors vectors_of(const sn_half_batch *b)
 {
-    uint64_t hash = 14695981039346656037u;
-    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) {
-        uint64_t bits;
-        memcpy(&bits, &b->value[e], sizeof bits);
-        hash = (hash ^ (uint64_t)(uint32_t)b->index[e]) * 1099511628211u;
-        hash = (hash ^ bits) * 1099511628211u;
-        hash ^= hash >> 29;
-    }
-    return hash;
+    return (sn_sparse_vectors){sn_half_solve_count(b->z), b->ptr, b->index, b->value};
 }
 
-/* Returns how many are not there; their i_batch is -1. */
-static int32_t find_places(const sn_half_cache *h, const sn_sparse_vectors *b, sn_half_place *place)
+/* ---- what is there ---- */
+
+typedef struct search {
+    const sn_half_wanted *w;
+    double *difference; /* n_unknown: all 0 between two comparisons        */
+    int32_t *column_of; /* n_unknown: -1 for unknowns without a column     */
+} search;
+
+static void close_search(search *s)
 {
-    int32_t n_new = 0;
-    for (int32_t j = 0; j < b->n; j++) {
-        place[j] = (sn_half_place){-1, 0, hash_of(b, j)};
-        for (int32_t k = 0; k < h->n_place && place[j].i_batch < 0; k++)
-            if (h->place[k].hash == place[j].hash) place[j] = h->place[k];
-        n_new += place[j].i_batch < 0;
-    }
-    return n_new;
+    sn_release(s->difference);
+    sn_release(s->column_of);
 }
+
+static sn_status open_search(search *s, const sn_half_wanted *w, sn_error *err)
+{
+    *s = (search){w, SN_NEW_ZERO(double, w->n_unknown), SN_NEW(int32_t, w->n_unknown)};
+    if (!s->difference || !s->column_of) {
+        close_search(s);
+        return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", w->n_unknown);
+    }
+    for (int32_t u = 0; u < w->n_unknown; u++) s->column_of[u] = -1;
+    for (int32_t k = 0; k < w->e->width; k++) s->column_of[w->e->unknown[k]] = k;
+    return SN_OK;
+}
+
+static void add_vector(search *s, double sign, const sn_sparse_vectors *b, int32_t j)
+{
+    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) s->difference[b->index[e]] += sign * b->value[e];
+}
+
+/* Moves the difference into rest; false, and rest as it was, when some of it has no column. */
+static bool take_difference(search *s, const sn_sparse_vectors *b, int32_t j, double *rest)
+{
+    bool ok = true;
+    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) {
+        int32_t u = b->index[e];
+        ok = ok && (s->difference[u] == 0.0 || s->column_of[u] >= 0);
+    }
+    for (int32_t e = b->ptr[j]; ok && e < b->ptr[j + 1]; e++) {
+        int32_t u = b->index[e];
+        if (s->difference[u] != 0.0) rest[s->column_of[u]] = s->difference[u];
+    }
+    for (int32_t e = b->ptr[j]; ok && e < b->ptr[j + 1]; e++) s->difference[b->index[e]] = 0.0;
+    return ok;
+}
+
+static void clear(search *s, const sn_sparse_vectors *b, int32_t j)
+{
+    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) s->difference[b->index[e]] = 0.0;
+}
+
+/* Whether vector j is that of `old` (NULL: nothing) but for unknowns with a column. */
+static bool is_near(search *s, int32_t j, const sn_sparse_vectors *old, int32_t i, double *rest)
+{
+    const sn_sparse_vectors *b = &s->w->b;
+    size_t room = (size_t)s->w->e->width * sizeof *rest;
+    add_vector(s, 1.0, b, j);
+    if (old) add_vector(s, -1.0, old, i);
+    bool ok = take_difference(s, b, j, rest) && (!old || take_difference(s, old, i, rest));
+    if (ok) return true;
+    clear(s, b, j);
+    if (old) clear(s, old, i);
+    if (room > 0) memset(rest, 0, room);
+    return false;
+}
+
+static sn_half_place find_place(const sn_half_cache *h, search *s, int32_t j, double *rest, bool *is_there)
+{
+    *is_there = true;
+    for (int32_t i = 0; i < h->n_batch; i++) {
+        const sn_sparse_vectors old = vectors_of(&h->batch[i]);
+        for (int32_t k = 0; k < old.n; k++)
+            if (h->batch[i].key[k] == s->w->key[j] && is_near(s, j, &old, k, rest))
+                return (sn_half_place){i, k};
+    }
+    *is_there = is_near(s, j, NULL, 0, rest);
+    return (sn_half_place){-1, 0};
+}
+
+/* is_missing: b.n. Returns how many are. */
+static int32_t find_places(sn_half_cache *h, search *s, sn_half_place *place, double *rest, bool *is_missing)
+{
+    size_t width = (size_t)s->w->e->width;
+    int32_t n_missing = 0;
+    if (width > 0) memset(rest, 0, width * (size_t)s->w->b.n * sizeof *rest);
+    for (int32_t j = 0; j < s->w->b.n; j++) {
+        bool is_there;
+        place[j] = find_place(h, s, j, rest + (size_t)j * width, &is_there);
+        is_missing[j] = !is_there;
+        n_missing += !is_there;
+        if (place[j].i_batch >= 0) h->batch[place[j].i_batch].last_use = h->n_use;
+    }
+    return n_missing;
+}
+
+/* ---- what is not ---- */
 
 /* Which batch is given up: the one not used for longest, but for the one with the most columns. */
 static int32_t find_least(const sn_half_cache *h)
@@ -53,76 +137,67 @@ static int32_t find_least(const sn_half_cache *h)
     return least;
 }
 
-static void drop_batch(sn_half_cache *h, int32_t i_batch)
+static sn_status make_batch(sn_half_batch *b, const sn_half_wanted *w, const bool *is_missing,
+                            int32_t n_missing, const sn_run *run, sn_error *err)
 {
-    int32_t n = 0;
-    sn_half_solve_destroy(h->batch[i_batch].z);
-    h->batch[i_batch] = h->batch[--h->n_batch];
-    for (int32_t k = 0; k < h->n_place; k++) {
-        sn_half_place p = h->place[k];
-        if (p.i_batch == i_batch) continue;
-        if (p.i_batch == h->n_batch) p.i_batch = i_batch; /* the last one took its place */
-        h->place[n++] = p;
+    int32_t n_entry = w->b.ptr[w->b.n], n = 0;
+    *b = (sn_half_batch){NULL,
+                         SN_NEW_ZERO(int32_t, (size_t)n_missing + 1),
+                         SN_NEW(int32_t, n_entry),
+                         SN_NEW(double, n_entry),
+                         SN_NEW(uint64_t, n_missing),
+                         0};
+    if (!b->ptr || !b->index || !b->value || !b->key)
+        return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_missing);
+    for (int32_t j = 0; j < w->b.n; j++) {
+        if (!is_missing[j]) continue;
+        size_t count = (size_t)(w->b.ptr[j + 1] - w->b.ptr[j]);
+        if (count > 0) memcpy(b->index + b->ptr[n], w->b.index + w->b.ptr[j], count * sizeof *b->index);
+        if (count > 0) memcpy(b->value + b->ptr[n], w->b.value + w->b.ptr[j], count * sizeof *b->value);
+        b->ptr[n + 1] = b->ptr[n] + (int32_t)count;
+        b->key[n++] = w->key[j];
     }
-    h->n_place = n;
+    const sn_sparse_vectors missing = {n, b->ptr, b->index, b->value};
+    return sn_half_solve_create(&b->z, w->e->c, &missing, run, err);
 }
 
-static sn_status half_solve_new(const sn_cholesky *c, const sn_sparse_vectors *b, const sn_half_place *place,
-                                int32_t n_new, const sn_run *run, sn_half_solve **out, sn_error *err)
-{
-    int32_t *ptr = SN_NEW_ZERO(int32_t, (size_t)n_new + 1), *index = SN_NEW(int32_t, b->ptr[b->n]), n = 0;
-    double *value = SN_NEW(double, b->ptr[b->n]);
-    *out = NULL;
-    sn_status st =
-        ptr && index && value ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_new);
-    for (int32_t j = 0; !st && j < b->n; j++) {
-        if (place[j].i_batch >= 0) continue;
-        size_t n_entry = (size_t)(b->ptr[j + 1] - b->ptr[j]);
-        if (n_entry > 0) memcpy(index + ptr[n], b->index + b->ptr[j], n_entry * sizeof *index);
-        if (n_entry > 0) memcpy(value + ptr[n], b->value + b->ptr[j], n_entry * sizeof *value);
-        ptr[n + 1] = ptr[n] + (int32_t)n_entry;
-        n++;
-    }
-    if (!st) st = sn_half_solve_create(out, c, &(sn_sparse_vectors){n_new, ptr, index, value}, run, err);
-    sn_release(ptr);
-    sn_release(index);
-    sn_release(value);
-    return st;
-}
-
-/* Room for one batch of n_new. */
-static sn_status need_room(sn_half_cache *h, int32_t n_new, sn_error *err)
+/* Makes what is missing the last batch. */
+static sn_status add_batch(sn_half_cache *h, const sn_half_wanted *w, const bool *is_missing,
+                           int32_t n_missing, const sn_run *run, sn_half_place *place, sn_error *err)
 {
     sn_half_batch *batch = sn_realloc(h->batch, (size_t)h->n_batch + 1, sizeof *batch);
-    if (batch) h->batch = batch;
-    sn_half_place *all = sn_realloc(h->place, (size_t)h->n_place + (size_t)n_new, sizeof *all);
-    if (all) h->place = all;
-    return batch && all ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_new);
-}
-
-sn_status sn_half_cache_need(sn_half_cache *h, const sn_cholesky *c, const sn_sparse_vectors *b,
-                             const sn_run *run, sn_half_place *place, sn_error *err)
-{
-    int32_t n_new = find_places(h, b, place);
-    h->n_use++;
-    for (int32_t j = 0; j < b->n; j++)
-        if (place[j].i_batch >= 0) h->batch[place[j].i_batch].last_use = h->n_use;
-    if (n_new == 0) return SN_OK;
-    if (h->n_batch == most_batches) {
-        drop_batch(h, find_least(h));
-        n_new = find_places(h, b, place);
+    if (!batch) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_missing);
+    h->batch = batch;
+    sn_status st = make_batch(&batch[h->n_batch], w, is_missing, n_missing, run, err);
+    if (st) {
+        free_batch(&batch[h->n_batch]);
+        return st;
     }
-    sn_half_solve *z;
-    sn_status st = need_room(h, n_new, err);
-    if (!st) st = half_solve_new(c, b, place, n_new, run, &z, err);
-    if (st) return st;
-    h->batch[h->n_batch] = (sn_half_batch){z, h->n_use};
-    for (int32_t j = 0, column = 0; j < b->n; j++) {
-        if (place[j].i_batch >= 0) continue;
-        place[j].i_batch = h->n_batch;
-        place[j].column = column++;
-        h->place[h->n_place++] = place[j];
-    }
+    batch[h->n_batch].last_use = h->n_use;
+    for (int32_t j = 0, column = 0; j < w->b.n; j++)
+        if (is_missing[j]) place[j] = (sn_half_place){h->n_batch, column++};
     h->n_batch++;
     return SN_OK;
+}
+
+sn_status sn_half_cache_need(sn_half_cache *h, const sn_half_wanted *w, const sn_run *run,
+                             sn_half_place *place, double *rest, sn_error *err)
+{
+    search s;
+    sn_status st = open_search(&s, w, err);
+    if (st) return st;
+    bool *is_missing = SN_NEW(bool, w->b.n);
+    if (!is_missing) st = sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", w->b.n);
+    h->n_use++;
+    int32_t n_missing = st ? 0 : find_places(h, &s, place, rest, is_missing);
+    if (n_missing > 0 && h->n_batch == most_batches) {
+        int32_t least = find_least(h);
+        free_batch(&h->batch[least]);
+        h->batch[least] = h->batch[--h->n_batch];
+        n_missing = find_places(h, &s, place, rest, is_missing);
+    }
+    if (n_missing > 0) st = add_batch(h, w, is_missing, n_missing, run, place, err);
+    close_search(&s);
+    sn_release(is_missing);
+    return st;
 }

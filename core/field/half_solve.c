@@ -1,22 +1,10 @@
-#include "field/half_solve.h"
+#include "field/half_solve_private.h"
 
 #include "base/alloc.h"
-#include "field/back_solve.h"
 
 #include <string.h>
 
-#define CHUNK 32 /* columns that go through the factor together; no result depends on the threads */
-
-struct sn_half_solve {
-    const sn_cholesky *c;
-    int64_t *at;           /* n_super: first row in y, -1 when on no path          */
-    int32_t *first, *last; /* n_super: columns of y that may not be zero there     */
-    int32_t *step, n_step; /* supernodes on some path, ascending                   */
-    double *y;             /* n_row x n_col, column-major                          */
-    int64_t n_row;
-    int32_t n_below; /* most rows below a supernode on a path */
-    int32_t n_col;
-};
+#define CHUNK 48 /* most columns that go through the factor together */
 
 void sn_half_solve_destroy(sn_half_solve *h)
 {
@@ -31,15 +19,6 @@ void sn_half_solve_destroy(sn_half_solve *h)
 
 /* ---- paths ---- */
 
-/* The supernode of the first row below supernode k; -1 at a root. */
-static int32_t parent_of(const sn_cholesky *c, int32_t k)
-{
-    int own = sn_super_own(c->factor, (size_t)k);
-    return sn_super_all(c->factor, (size_t)k) > own
-               ? c->order->super_of[sn_super_rows(c->factor, (size_t)k)[own]]
-               : -1;
-}
-
 /* Marks the paths vector by vector: a supernode's columns of y are an interval. */
 static void mark_paths(sn_half_solve *h, const sn_sparse_vectors *b)
 {
@@ -47,7 +26,7 @@ static void mark_paths(sn_half_solve *h, const sn_sparse_vectors *b)
     for (size_t k = 0; k < h->c->factor->nsuper; k++) h->at[k] = -1;
     for (int32_t j = 0; j < b->n; j++)
         for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++)
-            for (int32_t k = o->super_of[o->column_of[b->index[e]]]; k >= 0; k = parent_of(h->c, k)) {
+            for (int32_t k = o->super_of[o->column_of[b->index[e]]]; k >= 0; k = o->tree.parent[k]) {
                 if (h->at[k] >= 0 && h->last[k] == j + 1) break; /* so are all above */
                 if (h->at[k] < 0) h->first[k] = j;
                 h->at[k] = 0;
@@ -74,6 +53,12 @@ static sn_status lay_out(sn_half_solve *h, sn_error *err)
     if (h->y) return SN_OK;
     return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %lld x %d values", (long long)h->n_row, h->n_col);
 }
+
+typedef struct forward {
+    sn_half_solve *h;
+    int32_t n_chunk;
+    double *below; /* n_below x n_col */
+} forward;
 
 /* The value of a row (a column of the factor) in column j of y. */
 static double *place_in(const sn_half_solve *h, int32_t row, int32_t j)
@@ -113,17 +98,37 @@ static void eliminate(sn_half_solve *h, size_t k, int32_t from, int32_t to, doub
 
 static sn_status go_forward(void *user, int32_t i_chunk, const sn_run *run, sn_error *err)
 {
-    sn_half_solve *h = user;
-    int32_t from = i_chunk * CHUNK, to = from + CHUNK < h->n_col ? from + CHUNK : h->n_col;
-    double *below = SN_NEW(double, (size_t)h->n_below *(size_t)(to - from));
-    sn_status st = below ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", h->n_below);
+    const forward *f = user;
+    sn_half_solve *h = f->h;
+    int32_t from = (int32_t)((int64_t)h->n_col * i_chunk / f->n_chunk),
+            to = (int32_t)((int64_t)h->n_col * (i_chunk + 1) / f->n_chunk);
+    sn_status st = SN_OK;
     for (int32_t s = 0; !st && s < h->n_step; s++) {
         int32_t k = h->step[s];
         int32_t first = h->first[k] > from ? h->first[k] : from, last = h->last[k] < to ? h->last[k] : to;
         if (s % 256 == 0) st = sn_run_step(run, "solving", -1.0, err);
-        if (!st && first < last) eliminate(h, (size_t)k, first, last, below);
+        if (!st && first < last)
+            eliminate(h, (size_t)k, first, last, f->below + (size_t)from * (size_t)h->n_below);
     }
-    sn_release(below);
+    return st;
+}
+
+/* As even as may be, and an even number for two threads; the same for any number of threads, as BLAS may
+ * round a column otherwise when others stand beside it. */
+static int32_t count_chunks(int32_t n)
+{
+    int32_t n_chunk = (n + CHUNK - 1) / CHUNK;
+    return n > 8 ? n_chunk + n_chunk % 2 : n_chunk;
+}
+
+/* All room is made by the caller's thread: what threads that come and go ask for is new to them each time. */
+static sn_status run_forward(sn_half_solve *h, const sn_run *run, sn_error *err)
+{
+    forward f = {h, count_chunks(h->n_col), SN_NEW(double, (size_t)h->n_below *(size_t)h->n_col)};
+    if (!f.below) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d rows", h->n_below);
+    openblas_set_num_threads(1);
+    sn_status st = sn_run_each(run, f.n_chunk, go_forward, &f, err);
+    sn_release(f.below);
     return st;
 }
 
@@ -146,8 +151,7 @@ sn_status sn_half_solve_create(sn_half_solve **out, const sn_cholesky *c, const 
     for (int32_t j = 0; !st && j < b->n; j++)
         for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++)
             *place_in(h, c->order->column_of[b->index[e]], j) += b->value[e];
-    openblas_set_num_threads(1);
-    if (!st) st = sn_run_each(run, (b->n + CHUNK - 1) / CHUNK, go_forward, h, err);
+    if (!st) st = run_forward(h, run, err);
     if (st)
         sn_half_solve_destroy(h);
     else
@@ -202,90 +206,4 @@ void sn_half_solve_product(const sn_half_solve *y, const sn_half_solve *z, doubl
                     z->y + (size_t)z->first[k] * (size_t)z->n_row + z->at[k], (int)z->n_row, 1.0,
                     out + (size_t)z->first[k] * (size_t)y->n_col + y->first[k], y->n_col);
     }
-}
-
-/* ---- back ---- */
-
-typedef struct finishing {
-    const sn_half_term *term;
-    int32_t n_term, n_rhs, n_chunk;
-    double *const *out;
-    const int32_t *at;
-    const sn_cholesky *c;
-} finishing;
-
-typedef struct strip { /* some of the right-hand sides */
-    double *x;         /* n x width: see back_solve.h  */
-    int32_t from, n, width;
-} strip;
-
-static void add_term(const sn_half_term *t, const strip *s)
-{
-    const sn_half_solve *h = t->y;
-    const cholmod_factor *f = h->c->factor;
-    size_t w = (size_t)s->width;
-    for (int32_t i = 0; i < h->n_step; i++) {
-        size_t k = (size_t)h->step[i];
-        int32_t first = h->first[k], last = h->last[k];
-        int own = sn_super_own(f, k);
-        const double *y = h->y + h->at[k];
-        double *x = s->x + (size_t)sn_supers(f)[k] * w;
-        if (t->factor) { /* y, column-major, is y' to row-major eyes; so is the factor */
-            cblas_dgemm(CblasRowMajor, CblasTrans, CblasTrans, own, s->n, last - first, 1.0,
-                        y + (size_t)first * (size_t)h->n_row, (int)h->n_row,
-                        t->factor + (size_t)s->from * (size_t)t->stride + first, t->stride, 1.0, x, s->width);
-            continue;
-        }
-        for (int32_t j = first > s->from ? first : s->from; j < last && j < s->from + s->n; j++)
-            for (int r = 0; r < own; r++)
-                x[(size_t)r * w + (size_t)(j - s->from)] += y[(size_t)j * (size_t)h->n_row + (size_t)r];
-    }
-}
-
-static void put_columns(const finishing *job, const strip *s)
-{
-    const SuiteSparse_long *perm = job->c->factor->Perm;
-    for (size_t j = 0; j < job->c->factor->n; j++) {
-        size_t to = job->at ? (size_t)job->at[perm[j]] : (size_t)perm[j];
-        for (int32_t c = 0; c < s->n; c++) job->out[s->from + c][to] = s->x[j * (size_t)s->width + (size_t)c];
-    }
-}
-
-static sn_status finish_strip(void *user, int32_t i, const sn_run *run, sn_error *err)
-{
-    const finishing *job = user;
-    size_t n = job->c->factor->n;
-    strip s = {.from = (int32_t)((int64_t)job->n_rhs * i / job->n_chunk)};
-    s.n = (int32_t)((int64_t)job->n_rhs * (i + 1) / job->n_chunk) - s.from;
-    s.width = sn_strip_width(s.n);
-    s.x = SN_NEW_ZERO(double, n *(size_t)s.width);
-    sn_status st =
-        s.x ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu x %d values", n, s.width);
-    for (int32_t t = 0; !st && t < job->n_term; t++) add_term(&job->term[t], &s);
-    if (!st) st = sn_back_solve(job->c->factor, s.x, s.width, run, err);
-    if (!st) put_columns(job, &s);
-    sn_release(s.x);
-    return st;
-}
-
-/* Strips as even as may be, an even number of them when they are wide: for two threads the same as for one.
- */
-static int32_t count_strips(int32_t n_rhs)
-{
-    int32_t n = (n_rhs + SN_STRIP_MAX - 1) / SN_STRIP_MAX;
-    return n_rhs > 8 ? n + n % 2 : n;
-}
-
-sn_status sn_half_solve_finish(const sn_half_term *term, int32_t n_term, int32_t n_rhs, double *const *out,
-                               const int32_t *at, const sn_run *run, sn_error *err)
-{
-    finishing job = {.term = term,
-                     .n_term = n_term,
-                     .n_rhs = n_rhs,
-                     .n_chunk = count_strips(n_rhs),
-                     .out = out,
-                     .at = at,
-                     .c = term[0].y->c};
-    openblas_set_num_threads(1);
-    return sn_run_each(run, job.n_chunk, finish_strip, &job, err);
 }

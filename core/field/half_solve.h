@@ -34,10 +34,11 @@ void sn_half_solve_gram(const sn_half_solve *h, double *out);
 /* out := Y'Z of two half solves by one factor; column-major, as many rows as y has columns. */
 void sn_half_solve_product(const sn_half_solve *y, const sn_half_solve *z, double *out);
 
-typedef struct sn_half_term { /* Y times factor */
+typedef struct sn_half_term { /* Y times factor, or columns of Y */
     const sn_half_solve *y;
-    const double *factor; /* columns of y x n_rhs, column-major; NULL: the identity */
-    int32_t stride;       /* rows of what factor lies in: at least the columns of y */
+    const double *factor; /* columns of y x n_rhs, column-major                                        */
+    int32_t stride;       /* rows of what factor lies in: at least the columns of y                    */
+    const int32_t *pick;  /* without a factor; n_rhs: column of y for each, -1 for none; NULL: their own */
 } sn_half_term;
 /* X = A^-1 sum B_t F_t, n_rhs columns. out[j]: column j; at: where each unknown goes in it (NULL: to its own
  * number). Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT; some columns may then be written. */

@@ -167,13 +167,6 @@ const sn_unit_columns *sn_low_rank_columns(const sn_low_rank *r)
 
 /* ---- right-hand sides ---- */
 
-/* y += scale U w, on the unknowns touched. */
-static void add_sum(const sn_low_rank *r, double scale, double *y)
-{
-    for (int32_t j = 0; j < r->n_term; j++)
-        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) y[r->at[e]] += scale * r->weight[j] * r->value[e];
-}
-
 /* y += scale M x, on the unknowns touched. */
 static void add_product(const sn_low_rank *r, double scale, const double *x, double *y)
 {
@@ -183,49 +176,48 @@ static void add_product(const sn_low_rank *r, double scale, const double *x, dou
     }
 }
 
-typedef struct solving { /* right-hand sides on the unknowns touched, each n x n_rhs */
-    double *s;           /* the solutions                          */
-    double *f;           /* what the columns are multiplied with   */
-} solving;
+/* t += G q; q is mostly 0. */
+static void add_gram(const sn_low_rank *r, const double *q, double *t)
+{
+    size_t width = (size_t)r->e.width;
+    for (size_t k = 0; k < width; k++) {
+        const double *g = r->e.gram + k * width;
+        for (size_t i = 0; q[k] != 0.0 && i < width; i++) t[i] += q[k] * g[i];
+    }
+}
 
-static sn_status solve_touched(const sn_low_rank *r, int32_t n_rhs, const bool *has_sum, const double *seen,
-                               const solving *v, sn_error *err)
+/* The solutions at the unknowns touched, s, and -M s: each n x n_rhs. */
+static sn_status solve_touched(const sn_low_rank *r, int32_t n_rhs, const double *seen, double *s,
+                               double *minus_ms, sn_error *err)
 {
     size_t n = (size_t)r->n, width = (size_t)r->e.width;
-    memset(v->f, 0, n * (size_t)n_rhs * sizeof *v->f);
-    for (size_t j = 0; j < (size_t)n_rhs; j++) {
-        double *s = v->s + j * n, *f = v->f + j * n;
-        for (size_t i = 0; i < n; i++) s[i] = seen[j * width + (size_t)r->column[i]];
-        if (!has_sum[j]) continue;
-        add_sum(r, 1.0, f);
-        for (size_t k = 0; k < n; k++)
-            for (size_t i = 0; i < n; i++) s[i] += f[k] * r->g[k * width + (size_t)r->column[i]];
-    }
-    sn_status st = sn_dense_solve_factorized(r->s, r->n, r->pivot, v->s, n_rhs, err);
-    for (size_t j = 0; !st && j < (size_t)n_rhs; j++) add_product(r, -1.0, v->s + j * n, v->f + j * n);
+    memset(minus_ms, 0, n * (size_t)n_rhs * sizeof *minus_ms);
+    for (size_t j = 0; j < (size_t)n_rhs; j++)
+        for (size_t i = 0; i < n; i++) s[j * n + i] = seen[j * width + (size_t)r->column[i]];
+    sn_status st = sn_dense_solve_factorized(r->s, r->n, r->pivot, s, n_rhs, err);
+    for (size_t j = 0; !st && j < (size_t)n_rhs; j++) add_product(r, -1.0, s + j * n, minus_ms + j * n);
     return st;
 }
 
-sn_status sn_low_rank_factor(const sn_low_rank *r, int32_t n_rhs, const bool *has_sum, double *seen,
-                             double *factor, sn_error *err)
+sn_status sn_low_rank_factor(const sn_low_rank *r, int32_t n_rhs, double *seen, double *factor, sn_error *err)
 {
     size_t n = (size_t)r->n, width = (size_t)r->e.width, count = (size_t)n_rhs;
-    memset(factor, 0, width * count * sizeof *factor);
+    for (size_t j = 0; j < count; j++) add_gram(r, factor + j * width, seen + j * width);
     if (n == 0 || count == 0) return SN_OK;
-    solving v = {SN_NEW(double, n *count), SN_NEW(double, n *count)};
-    sn_status st = v.s && v.f ? solve_touched(r, n_rhs, has_sum, seen, &v, err)
-                              : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", r->n_term);
+    double *s = SN_NEW(double, n *count), *minus_ms = SN_NEW(double, n *count);
+    sn_status st = s && minus_ms ? solve_touched(r, n_rhs, seen, s, minus_ms, err)
+                                 : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", r->n_term);
     if (!st)
         cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)width, n_rhs, (int)n, 1.0, r->g,
-                    (int)width, v.f, (int)n, 1.0, seen, (int)width);
+                    (int)width, minus_ms, (int)n, 1.0, seen, (int)width);
     for (size_t j = 0; !st && j < count; j++)
         for (size_t i = 0; i < n; i++) {
             size_t k = j * width + (size_t)r->column[i];
-            factor[k] = v.f[j * n + i];
-            seen[k] = v.s[j * n + i]; /* the same, with less rounding */
+            factor[k] += minus_ms[j * n + i];
+            seen[k] = s[j * n + i]; /* the same, with less rounding */
         }
-    sn_release(v.s);
-    sn_release(v.f);
+    sn_release(s);
+    sn_release(minus_ms);
     return st;
 }
 
@@ -238,11 +230,4 @@ void sn_low_rank_add_product(const sn_low_rank *r, const double *x, double *y)
         for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
             y[r->e.unknown[r->column[r->at[e]]]] += r->weight[j] * r->value[e] * sum;
     }
-}
-
-void sn_low_rank_add_sum(const sn_low_rank *r, double scale, double *y)
-{
-    for (int32_t j = 0; j < r->n_term; j++)
-        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
-            y[r->e.unknown[r->column[r->at[e]]]] += scale * r->weight[j] * r->value[e];
 }

@@ -31,14 +31,11 @@ int32_t sn_low_rank_count(const sn_low_rank *r); /* terms; 0 of NULL */
 
 /* Y: of terms, of probes, and some that are of no use now. */
 const sn_unit_columns *sn_low_rank_columns(const sn_low_rank *r);
-/* What finishes right-hand sides. seen: Y'Z in, and out E'X, the solutions at all columns; factor: what Y is
- * multiplied with (both columns x n_rhs, column-major). has_sum (n_rhs): to this right-hand side U w is to be
- * added, the sum of the terms. Errors: SN_ENOMEM, SN_ESOLVE. */
-SN_MUST_USE sn_status sn_low_rank_factor(const sn_low_rank *r, int32_t n_rhs, const bool *has_sum,
-                                         double *seen, double *factor, sn_error *err);
+/* What finishes right-hand sides B + E Q. seen: Y'Z in, and out the solutions at all columns; factor: Q in,
+ * and out what Y is multiplied with (both columns x n_rhs, column-major). Errors: SN_ENOMEM, SN_ESOLVE. */
+SN_MUST_USE sn_status sn_low_rank_factor(const sn_low_rank *r, int32_t n_rhs, double *seen, double *factor,
+                                         sn_error *err);
 /* y += U diag(w) U' x. */
 void sn_low_rank_add_product(const sn_low_rank *r, const double *x, double *y);
-/* y += scale U w. */
-void sn_low_rank_add_sum(const sn_low_rank *r, double scale, double *y);
 
 #endif

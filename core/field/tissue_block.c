@@ -10,9 +10,8 @@ typedef struct block_job {
     sn_tissue_system *system;
     const tissue_block *b;
     double *cover;
-    tissue_rhs rhs;        /* of fat: for the rows in the factor           */
+    tissue_rhs rhs;
     sn_half_place *place;  /* n: half solves                               */
-    bool *has_sum;         /* n: fat; the change adds its rows             */
     double *factor, *seen; /* width x n: see low_rank.h                   */
     int32_t *go, n_go;     /* columns that are solved to the end           */
     double **out;          /* n_go: where to                               */
@@ -22,7 +21,6 @@ static void free_job(block_job *j)
 {
     sn_tissue_rhs_free(&j->rhs);
     sn_release(j->place);
-    sn_release(j->has_sum);
     sn_release(j->factor);
     sn_release(j->seen);
     sn_release(j->go);
@@ -32,14 +30,13 @@ static void free_job(block_job *j)
 static sn_status init_job(block_job *j, sn_error *err)
 {
     size_t n = (size_t)j->b->n, width = (size_t)sn_low_rank_columns(j->system->change)->width;
-    sn_status st = sn_tissue_rhs_init(&j->rhs, j->s, j->b->tissue, j->b->n, &j->system->base, err);
+    sn_status st = sn_tissue_rhs_init(&j->rhs, j->s, j->b->tissue, j->b->n, err);
     j->place = SN_NEW(sn_half_place, n);
-    j->has_sum = SN_NEW_ZERO(bool, n);
     j->factor = SN_NEW(double, width *n);
     j->seen = SN_NEW_ZERO(double, width *n);
     j->go = SN_NEW(int32_t, n);
     j->out = SN_NEW(double *, n);
-    if (st || (j->place && j->has_sum && j->factor && j->seen && j->go && j->out)) return st;
+    if (st || (j->place && j->factor && j->seen && j->go && j->out)) return st;
     return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->b->n);
 }
 
@@ -78,15 +75,28 @@ static sn_status one_product(void *user, int32_t i, const sn_run *run, sn_error 
     return st;
 }
 
+/* A muscle's values and curve may have changed; it is the same one all the same. */
+static sn_status need_half_solves(block_job *j, const sn_run *run, sn_error *err)
+{
+    uint64_t *key = SN_NEW(uint64_t, j->b->n);
+    if (!key) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->b->n);
+    for (int32_t c = 0; c < j->b->n; c++)
+        key[c] = j->b->tissue[c] > 0 ? j->s->muscle[j->b->tissue[c] - 1].id : 0;
+    const sn_half_wanted w = {{j->rhs.n, j->rhs.ptr, j->rhs.index, j->rhs.value},
+                              key,
+                              sn_low_rank_columns(j->system->change),
+                              j->s->n_free};
+    sn_status st = sn_half_cache_need(&j->system->half, &w, run, j->place, j->factor, err);
+    sn_release(key);
+    return st;
+}
+
 static sn_status go_forward(block_job *j, const sn_run *run, sn_error *err)
 {
-    const sn_sparse_vectors b = {j->rhs.n, j->rhs.ptr, j->rhs.index, j->rhs.value};
-    sn_status st = sn_half_cache_need(&j->system->half, j->system->cholesky, &b, run, j->place, err);
-    if (st) return st;
-    for (int32_t c = 0; c < j->b->n; c++) j->has_sum[c] = j->b->tissue[c] == 0;
+    sn_status st = need_half_solves(j, run, err);
     product_job p = {j, sn_low_rank_columns(j->system->change)->n_part};
-    st = sn_run_each(run, p.n_part * j->system->half.n_batch, one_product, &p, err);
-    return st ? st : sn_low_rank_factor(j->system->change, j->b->n, j->has_sum, j->seen, j->factor, err);
+    if (!st) st = sn_run_each(run, p.n_part * j->system->half.n_batch, one_product, &p, err);
+    return st ? st : sn_low_rank_factor(j->system->change, j->b->n, j->seen, j->factor, err);
 }
 
 /* ---- quick: what is worth going back for ---- */
@@ -121,46 +131,44 @@ static void choose(block_job *j)
 
 /* ---- back ---- */
 
-/* What Z and Y are multiplied with, column after column of those that go back. */
+/* Which columns of Z, and what Y is multiplied with. */
 typedef struct combination {
     sn_half_term *term; /* batches of Z, then parts of Y */
-    double *select;     /* n_row x n_go: the batches' columns, one below another */
-    int32_t n_term, n_row;
+    int32_t n_term;
+    int32_t *pick; /* n_batch x n_go */
 } combination;
 
 static void free_combination(combination *k)
 {
     sn_release(k->term);
-    sn_release(k->select);
+    sn_release(k->pick);
 }
 
 static void add_batches(const block_job *j, combination *k)
 {
-    for (int32_t i = 0, row = 0; i < j->system->half.n_batch; i++) {
-        const sn_half_solve *z = j->system->half.batch[i].z;
+    for (int32_t i = 0; i < j->system->half.n_batch; i++) {
+        int32_t *pick = k->pick + (size_t)i * (size_t)j->n_go;
         bool is_wanted = false;
         for (int32_t g = 0; g < j->n_go; g++) {
             const sn_half_place *p = &j->place[j->go[g]];
-            if (p->i_batch != i) continue;
-            k->select[(size_t)g * (size_t)k->n_row + (size_t)(row + p->column)] = 1.0;
-            is_wanted = true;
+            pick[g] = p->i_batch == i ? p->column : -1;
+            is_wanted = is_wanted || p->i_batch == i;
         }
-        if (is_wanted) k->term[k->n_term++] = (sn_half_term){z, k->select + row, k->n_row};
-        row += sn_half_solve_count(z);
+        if (is_wanted) k->term[k->n_term++] = (sn_half_term){.y = j->system->half.batch[i].z, .pick = pick};
     }
 }
 
 static sn_status combine(const block_job *j, combination *k, sn_error *err)
 {
     const sn_unit_columns *e = sn_low_rank_columns(j->system->change);
-    for (int32_t i = 0; i < j->system->half.n_batch; i++)
-        k->n_row += sn_half_solve_count(j->system->half.batch[i].z);
-    k->term = SN_NEW(sn_half_term, (size_t)j->system->half.n_batch + (size_t)e->n_part);
-    k->select = SN_NEW_ZERO(double, (size_t)k->n_row *(size_t)j->n_go);
-    if (!k->term || !k->select) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->n_go);
+    size_t n_batch = (size_t)j->system->half.n_batch;
+    k->term = SN_NEW(sn_half_term, n_batch + (size_t)e->n_part);
+    k->pick = SN_NEW(int32_t, n_batch * (size_t)j->n_go);
+    if (!k->term || !k->pick) return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", j->n_go);
     add_batches(j, k);
     for (int32_t i = 0; i < e->n_part; i++)
-        k->term[k->n_term++] = (sn_half_term){e->part[i].y, j->factor + e->part[i].first, e->width};
+        k->term[k->n_term++] =
+            (sn_half_term){.y = e->part[i].y, .factor = j->factor + e->part[i].first, .stride = e->width};
     return SN_OK;
 }
 
@@ -196,8 +204,6 @@ static sn_status find_residual(const block_job *j, double *residual, sn_error *e
     for (int32_t k = 0; k < j->n_go; k++)
         for (int32_t e = j->rhs.ptr[j->go[k]]; e < j->rhs.ptr[j->go[k] + 1]; e++)
             r[j->rhs.index[e]] -= (k % 2 ? -1.0 : 1.0) * j->rhs.value[e];
-    for (int32_t k = 0; k < j->n_go; k++)
-        if (j->has_sum[j->go[k]]) sn_low_rank_add_sum(j->system->change, k % 2 ? 1.0 : -1.0, r);
     for (size_t u = 0; u < n; u++) largest = fmax(largest, fabs(r[u]));
     sn_cholesky_add_product(j->system->cholesky, x, r);
     sn_low_rank_add_product(j->system->change, x, r);

@@ -60,7 +60,7 @@ sn_status sn_tissue_iterate_block(const sn_tissue_solver *s, const sn_tissue_sys
 {
     iterate_job j = {
         .s = s, .system = system, .b = b, .cover = cover, .report = SN_NEW_ZERO(sn_iterative_report, b->n)};
-    sn_status st = sn_tissue_rhs_init(&j.rhs, s, b->tissue, b->n, &s->set, err);
+    sn_status st = sn_tissue_rhs_init(&j.rhs, s, b->tissue, b->n, err);
     if (!st && !j.report) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d fields", b->n);
     if (!st) st = sn_run_each(run, b->n, iterate, &j, err);
     *residual = 0.0;

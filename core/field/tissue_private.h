@@ -48,13 +48,13 @@ void sn_tissue_close_room(own_room *r); /* NULL is fine */
 
 /* ---- right-hand sides (tissue_rhs.c) ---- */
 
-/* b of tissues: alpha B_i' d_i on the unknowns; of fat alpha B' 1 for the rows that are said. */
+/* b of tissues: alpha B_i' d_i on the unknowns, each once in a vector; of fat alpha B' 1. */
 typedef struct tissue_rhs {
     int32_t n, *ptr, *index;
     double *value;
 } tissue_rhs;
 SN_MUST_USE sn_status sn_tissue_rhs_init(tissue_rhs *b, const sn_tissue_solver *s, const int32_t *tissue,
-                                         int32_t n, const sn_row_set *cover, sn_error *err);
+                                         int32_t n, sn_error *err);
 void sn_tissue_rhs_free(tissue_rhs *b);
 
 /* ---- solving by a system (tissue_block.c, tissue_iterate.c) ---- */

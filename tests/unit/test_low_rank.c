@@ -127,8 +127,8 @@ static void half_solves_finish_as_whole_ones(void **state)
             double **column = columns_of(got[t], s.n, n);
             assert_int_equal(sn_half_solve_create(&h, s.c, &b.v, &run, NULL), SN_OK);
             assert_int_equal(sn_half_solve_count(h), n);
-            assert_int_equal(
-                sn_half_solve_finish(&(sn_half_term){h, NULL, 0}, 1, n, column, NULL, &run, NULL), SN_OK);
+            assert_int_equal(sn_half_solve_finish(&(sn_half_term){.y = h}, 1, n, column, NULL, &run, NULL),
+                             SN_OK);
             sn_half_solve_destroy(h);
             free(column);
         }
@@ -193,35 +193,33 @@ static void change_matrix(system_of *s, const vectors *u, const double *weight)
     free(row_of);
 }
 
-/* Solves for b by the change; x: n x b->n. seen: width x b->n, by malloc. */
-static double *solve_changed(const system_of *s, const sn_low_rank *r, const vectors *b, double *x)
+/* Solves for b by the change; x: n x b->n. rest: what is added to b at the columns, width x b->n, NULL for
+ * nothing. seen: width x b->n, by malloc. */
+static double *solve_changed(const system_of *s, const sn_low_rank *r, const vectors *b, const double *rest,
+                             double *x)
 {
-    int32_t n = b->v.n, width = sn_low_rank_width(r), n_part = sn_low_rank_part_count(r);
-    double *seen = calloc((size_t)width * (size_t)n + 1, sizeof *seen),
-           *factor = calloc((size_t)width * (size_t)n + 1, sizeof *factor);
-    bool *has_sum = calloc((size_t)n, sizeof *has_sum);
-    sn_half_term *term = malloc(((size_t)n_part + 1) * sizeof *term);
-    sn_half_solve *z = NULL;
-    double **column = columns_of(x, s->n, n);
-    assert_int_equal(sn_half_solve_create(&z, s->c, &b->v, NULL, NULL), SN_OK);
-    term[0] = (sn_half_term){z, NULL, 0};
-    for (int32_t p = 0; p < n_part; p++) {
-        int32_t first, count;
-        const sn_half_solve *y = sn_low_rank_part(r, p, &first, &count);
-        double *product = malloc((size_t)count * (size_t)n * sizeof *product);
-        sn_half_solve_product(y, z, product);
-        for (int32_t j = 0; j < n; j++)
-            memcpy(seen + (size_t)j * (size_t)width + first, product + (size_t)j * (size_t)count,
-                   (size_t)count * sizeof *product);
-        term[1 + p] = (sn_half_term){y, factor + first, width};
+    const sn_unit_columns *e = sn_low_rank_columns(r);
+    size_t n = (size_t)b->v.n, width = (size_t)e->width;
+    double *seen = calloc(width * n + 1, sizeof *seen), *factor = calloc(width * n + 1, sizeof *factor);
+    sn_half_term *term = calloc((size_t)e->n_part + 1, sizeof *term);
+    double **column = columns_of(x, s->n, b->v.n);
+    if (rest) memcpy(factor, rest, width * n * sizeof *rest);
+    assert_int_equal(sn_half_solve_create((sn_half_solve **)&term[0].y, s->c, &b->v, NULL, NULL), SN_OK);
+    for (int32_t p = 0; p < e->n_part; p++) {
+        const sn_unit_part *part = &e->part[p];
+        double *product = malloc((size_t)part->n * n * sizeof *product);
+        sn_half_solve_product(part->y, term[0].y, product);
+        for (size_t j = 0; j < n; j++)
+            memcpy(seen + j * width + part->first, product + j * (size_t)part->n,
+                   (size_t)part->n * sizeof *product);
+        term[1 + p] = (sn_half_term){.y = part->y, .factor = factor + part->first, .stride = e->width};
         free(product);
     }
-    assert_int_equal(sn_low_rank_factor(r, n, has_sum, seen, factor, NULL), SN_OK);
-    assert_int_equal(sn_half_solve_finish(term, 1 + n_part, n, column, NULL, NULL, NULL), SN_OK);
-    sn_half_solve_destroy(z);
+    assert_int_equal(sn_low_rank_factor(r, b->v.n, seen, factor, NULL), SN_OK);
+    assert_int_equal(sn_half_solve_finish(term, 1 + e->n_part, b->v.n, column, NULL, NULL, NULL), SN_OK);
+    sn_half_solve_destroy((sn_half_solve *)term[0].y);
     free(column);
     free(term);
-    free(has_sum);
     free(factor);
     return seen;
 }
@@ -231,7 +229,7 @@ static void assert_solves_as_a_new_factor(system_of *s, const sn_low_rank *r, co
 {
     vectors b = made_vectors(s, 77, 5);
     double *want = dense_of(s, &b), *rest = dense_of(s, &b), *x = calloc((size_t)s->n * 5, sizeof *x);
-    double *seen = solve_changed(s, r, &b, x);
+    double *seen = solve_changed(s, r, &b, NULL, x);
     for (int32_t j = 0; j < 5; j++) { /* what is left of b: the matrix, and what it changed by */
         double *left = rest + (size_t)j * (size_t)s->n, *back = calloc((size_t)s->n, sizeof *back);
         sn_cholesky_add_product(s->c, x + (size_t)j * (size_t)s->n, back);
@@ -239,14 +237,11 @@ static void assert_solves_as_a_new_factor(system_of *s, const sn_low_rank *r, co
         assert_same(back, left, (size_t)s->n, 1e-11);
         free(back);
     }
-    const sn_sparse_vectors own = sn_low_rank_vectors(r);
-    for (int32_t j = 0; j < 5; j++)
-        for (int32_t k = 0; k < own.n; k++) { /* terms, probes and the rest all see the solution */
-            double value = 0.0;
-            for (int32_t e = own.ptr[k]; e < own.ptr[k + 1]; e++)
-                value += own.value[e] * x[(size_t)j * (size_t)s->n + (size_t)own.index[e]];
-            assert_true(fabs(seen[(size_t)j * (size_t)own.n + (size_t)k] - value) < 1e-11);
-        }
+    const sn_unit_columns *e = sn_low_rank_columns(r);
+    for (size_t j = 0; j < 5; j++)
+        for (size_t k = 0; k < (size_t)e->width; k++) /* terms, probes and the rest all see the solution */
+            assert_true(fabs(seen[j * (size_t)e->width + k] - x[j * (size_t)s->n + (size_t)e->unknown[k]]) <
+                        1e-11);
     sn_cholesky *fresh = NULL;
     change_matrix(s, u, weight);
     assert_int_equal(sn_cholesky_clone(&fresh, s->c, NULL), SN_OK);
@@ -265,6 +260,14 @@ static void assert_solves_as_a_new_factor(system_of *s, const sn_low_rank *r, co
     free_vectors(&b);
 }
 
+static bool has_column(const sn_low_rank *r, int32_t unknown)
+{
+    const sn_unit_columns *e = sn_low_rank_columns(r);
+    int32_t k = 0;
+    while (k < e->width && e->unknown[k] != unknown) k++;
+    return k < e->width;
+}
+
 /* Terms come and go, as in a drag: columns that are known are not solved for again, and nothing is forgotten.
  */
 static void terms_come_and_go(void **state)
@@ -277,14 +280,15 @@ static void terms_come_and_go(void **state)
     assert_int_equal(sn_low_rank_count(r), 0);
     assert_int_equal(sn_low_rank_count(NULL), 0);
     for (int round = 0; round < 12; round++) {
-        int32_t n = round == 4 ? 0 : 20 + round, n_probe = round % 3;
-        vectors u = made_vectors(&s, 100 + 6 * round, n + n_probe);
+        int32_t n = round == 4 ? 0 : 20 + round, probe[] = {3, 100 + round, 100 + 2 * round};
+        vectors u = made_vectors(&s, 100 + 6 * round, n);
         for (int32_t k = 0; k < n; k++) weight[k] = k % 3 == 1 ? 0.4 : 5.0;
-        assert_int_equal(sn_low_rank_set(r, &u.v, weight, n, NULL, NULL), SN_OK);
+        const sn_low_rank_terms terms = {u.v, weight, probe, round % 4};
+        assert_int_equal(sn_low_rank_set(r, &terms, NULL, NULL), SN_OK);
         assert_int_equal(sn_low_rank_count(r), n);
-        assert_true(sn_low_rank_width(r) >= n + n_probe);
-        assert_true(n == 0 || sn_low_rank_width(r) <= 3 * (n + n_probe));
-        u.v.n = n;
+        assert_true(sn_low_rank_columns(r)->width <= 3 * (4 * n + round % 4));
+        for (int k = 0; k < round % 4; k++) assert_true(has_column(r, probe[k]));
+        for (int32_t e = 0; e < u.ptr[n]; e++) assert_true(has_column(r, u.index[e]));
         assert_solves_as_a_new_factor(&s, r, &u, weight);
         free_vectors(&u);
     }
@@ -293,66 +297,125 @@ static void terms_come_and_go(void **state)
     free_system(&s);
 }
 
+/* What is missing of a right-hand side at the unknowns of columns is added without a half solve. */
+static void rests_are_added(void **state)
+{
+    (void)state;
+    system_of s = made_system(7);
+    sn_low_rank *r = NULL;
+    vectors u = made_vectors(&s, 60, 9), b = made_vectors(&s, 200, 2);
+    const double weight[] = {1, 2, -0.01, 3, 1, 2, 4, 5, 6};
+    assert_int_equal(sn_low_rank_create(&r, s.c, NULL), SN_OK);
+    assert_int_equal(sn_low_rank_set(r, &(sn_low_rank_terms){u.v, weight, NULL, 0}, NULL, NULL), SN_OK);
+    size_t width = (size_t)sn_low_rank_columns(r)->width, n = (size_t)s.n;
+    double *rest = calloc(2 * width, sizeof *rest), *x = malloc(2 * n * sizeof *x), *want = dense_of(&s, &b);
+    for (size_t j = 0; j < 2; j++)
+        for (size_t k = j; k < width; k += 3) {
+            rest[j * width + k] = 0.1 * (double)k - 0.5;
+            want[j * n + (size_t)sn_low_rank_columns(r)->unknown[k]] += rest[j * width + k];
+        }
+    free(solve_changed(&s, r, &b, rest, x));
+    change_matrix(&s, &u, weight);
+    assert_int_equal(sn_cholesky_factorize(s.c, &s.a, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_solve(s.c, want, 2, NULL, NULL), SN_OK);
+    assert_same(x, want, 2 * n, 1e-11);
+    sn_low_rank_destroy(r);
+    free_vectors(&u);
+    free_vectors(&b);
+    free_system(&s);
+    free(rest);
+    free(want);
+    free(x);
+}
+
 /* What was added may be taken away; what makes the matrix singular is said. */
 static void terms_that_take_away(void **state)
 {
     (void)state;
     system_of s = made_system(6);
-    vectors u = made_vectors(&s, 40, 2);
-    const double add[] = {3.0, 2.0}, take[] = {-3.0, -2.0};
+    vectors u = made_vectors(&s, 40, 2), others = made_vectors(&s, 200, 3);
+    const double add[] = {3.0, 2.0}, take[] = {-3.0, -2.0}, ones[] = {1, 1, 1};
+    const sn_low_rank_terms taking = {u.v, take, NULL, 0}, adding = {others.v, ones, NULL, 0};
     change_matrix(&s, &u, add);
     assert_int_equal(sn_cholesky_factorize(s.c, &s.a, NULL, NULL), SN_OK);
     sn_low_rank *r = NULL;
     assert_int_equal(sn_low_rank_create(&r, s.c, NULL), SN_OK);
-    assert_int_equal(sn_low_rank_set(r, &u.v, take, 2, NULL, NULL), SN_OK);
+    assert_int_equal(sn_low_rank_set(r, &taking, NULL, NULL), SN_OK);
     assert_solves_as_a_new_factor(&s, r, &u, take);
-    vectors one = made_vectors(&s, 40, 1);
-    sn_half_solve *y = NULL;
-    double gram, singular;
-    assert_int_equal(sn_half_solve_create(&y, s.c, &one.v, NULL, NULL), SN_OK);
-    sn_half_solve_gram(y, &gram);
-    singular = -1.0 / gram;
-    sn_error err = {.msg = ""};
-    if (1.0 / singular + gram == 0.0) {
-        assert_int_equal(sn_low_rank_set(r, &one.v, &singular, 1, NULL, &err), SN_ESOLVE);
-        assert_string_equal(err.msg, "the dense matrix is singular (column 1 of 1)");
-        assert_int_equal(sn_low_rank_count(r), 0);
-    }
     volatile sig_atomic_t cancel = 1;
-    vectors others = made_vectors(&s, 200, 3);
-    assert_int_equal(
-        sn_low_rank_set(r, &others.v, (double[]){1, 1, 1}, 3, &(sn_run){.cancel = &cancel}, &err),
-        SN_ECANCEL);
+    assert_int_equal(sn_low_rank_set(r, &adding, &(sn_run){.cancel = &cancel}, NULL), SN_ECANCEL);
     assert_int_equal(sn_low_rank_count(r), 0);
-    assert_int_equal(sn_low_rank_set(r, &u.v, take, 2, NULL, NULL), SN_OK); /* taken up again */
+    assert_int_equal(sn_low_rank_set(r, &taking, NULL, NULL), SN_OK); /* taken up again */
     assert_solves_as_a_new_factor(&s, r, &u, take);
-    sn_half_solve_destroy(y);
     sn_low_rank_destroy(r);
     free_vectors(&u);
-    free_vectors(&one);
     free_vectors(&others);
     free_system(&s);
 }
 
+/* One unknown, taken away whole: 1 + g m is 0 to the last bit. */
+static void a_singular_change_is_refused(void **state)
+{
+    (void)state;
+    system_of s = {.n = 1, .number = calloc(1, sizeof *s.number)};
+    sn_low_rank *r = NULL;
+    sn_error err = {.msg = ""};
+    const int32_t ptr[] = {0, 1}, zero = 0;
+    const double one = 1.0, minus_4 = -4.0;
+    const sn_low_rank_terms terms = {{1, ptr, &zero, &one}, &minus_4, NULL, 0};
+    s.a = (sn_csr){.n = 1,
+                   .ptr = calloc(2, sizeof *s.a.ptr),
+                   .idx = calloc(1, sizeof *s.a.idx),
+                   .val = malloc(sizeof *s.a.val)};
+    s.a.ptr[1] = 1;
+    s.a.val[0] = 4.0;
+    assert_int_equal(sn_cholesky_create(&s.c, &s.a, s.number, 1, NULL, NULL), SN_OK);
+    assert_int_equal(sn_cholesky_factorize(s.c, &s.a, NULL, NULL), SN_OK);
+    assert_int_equal(sn_low_rank_create(&r, s.c, NULL), SN_OK);
+    assert_int_equal(sn_low_rank_set(r, &terms, NULL, &err), SN_ESOLVE);
+    assert_string_equal(err.msg, "the dense matrix is singular (column 1 of 1)");
+    assert_int_equal(sn_low_rank_count(r), 0);
+    sn_low_rank_destroy(r);
+    sn_cholesky_destroy(s.c);
+    free(s.a.ptr);
+    free(s.a.idx);
+    free(s.a.val);
+    free(s.number);
+}
+
 /* ---- half solves that are kept ---- */
 
+/* What a place and the rest beside it make is the solution for b. */
 static void assert_places(const sn_half_cache *h, const system_of *s, const vectors *b,
-                          const sn_half_place *place)
+                          const sn_unit_columns *e, const sn_half_place *place, const double *rest)
 {
-    double *x = dense_of(s, b);
+    size_t n = (size_t)s->n, width = (size_t)e->width;
+    double *x = dense_of(s, b), *got = malloc(n * sizeof *got);
     assert_int_equal(sn_cholesky_solve(s->c, x, b->v.n, NULL, NULL), SN_OK);
-    for (int32_t j = 0; j < b->v.n; j++) { /* the column that the place names is b's */
-        const sn_half_solve *z = h->batch[place[j].i_batch].z;
-        int32_t n = sn_half_solve_count(z);
-        double *pick = calloc((size_t)n, sizeof *pick), *got = calloc((size_t)s->n, sizeof *got);
-        pick[place[j].column] = 1.0;
-        assert_int_equal(sn_half_solve_finish(&(sn_half_term){z, pick, n}, 1, 1, &got, NULL, NULL, NULL),
-                         SN_OK);
-        assert_same(got, x + (size_t)j * (size_t)s->n, (size_t)s->n, 1e-13);
-        free(pick);
-        free(got);
+    for (size_t j = 0; j < (size_t)b->v.n; j++) {
+        sn_half_term term[8];
+        int32_t n_term = 0;
+        assert_true(e->n_part <= 7);
+        if (place[j].i_batch >= 0)
+            term[n_term++] = (sn_half_term){.y = h->batch[place[j].i_batch].z, .pick = &place[j].column};
+        for (int32_t p = 0; p < e->n_part; p++)
+            term[n_term++] = (sn_half_term){
+                .y = e->part[p].y, .factor = rest + j * width + e->part[p].first, .stride = e->width};
+        assert_int_equal(sn_half_solve_finish(term, n_term, 1, &got, NULL, NULL, NULL), SN_OK);
+        assert_same(got, x + j * n, n, 1e-12);
     }
+    free(got);
     free(x);
+}
+
+static void need_half_solves(sn_half_cache *h, const system_of *s, const vectors *b, const uint64_t *key,
+                             const sn_unit_columns *e, sn_half_place *place)
+{
+    double *rest = calloc((size_t)e->width * (size_t)b->v.n + 1, sizeof *rest);
+    const sn_half_wanted w = {b->v, key, e, s->n};
+    assert_int_equal(sn_half_cache_need(h, &w, NULL, place, rest, NULL), SN_OK);
+    assert_places(h, s, b, e, place, rest);
+    free(rest);
 }
 
 static void half_solves_are_kept(void **state)
@@ -360,25 +423,62 @@ static void half_solves_are_kept(void **state)
     (void)state;
     system_of s = made_system(6);
     sn_half_cache h = {0};
-    sn_half_place place[24];
+    sn_unit_columns none = {.c = s.c};
+    sn_half_place place[20];
+    uint64_t key[20];
     vectors all = made_vectors(&s, 10, 20);
-    assert_int_equal(sn_half_cache_need(&h, s.c, &all.v, NULL, place, NULL), SN_OK);
+    for (uint64_t k = 0; k < 20; k++) key[k] = 100 + k;
+    need_half_solves(&h, &s, &all, key, &none, place);
     assert_int_equal(h.n_batch, 1);
-    assert_places(&h, &s, &all, place);
     for (int i = 0; i < 9; i++) { /* single ones come, and the large batch stays */
+        const uint64_t other = 5;
         vectors one = made_vectors(&s, 100 + i, 1);
-        assert_int_equal(sn_half_cache_need(&h, s.c, &one.v, NULL, place, NULL), SN_OK);
-        assert_places(&h, &s, &one, place);
-        assert_true(h.n_batch <= 5);
+        need_half_solves(&h, &s, &one, &other, &none, place);
+        assert_true(h.n_batch <= 4);
         free_vectors(&one);
         int32_t before = h.n_batch;
-        assert_int_equal(sn_half_cache_need(&h, s.c, &all.v, NULL, place, NULL), SN_OK);
+        need_half_solves(&h, &s, &all, key, &none, place);
         assert_int_equal(h.n_batch, before); /* all there */
-        assert_places(&h, &s, &all, place);
+        for (int k = 0; k < 20; k++) assert_true(place[k].i_batch >= 0);
     }
     sn_half_cache_free(&h);
     assert_int_equal(h.n_batch, 0);
     free_vectors(&all);
+    free_system(&s);
+}
+
+/* One that differs only where there are columns needs no half solve; one of columns alone, no kept one. */
+static void near_half_solves_serve(void **state)
+{
+    (void)state;
+    system_of s = made_system(6);
+    sn_half_cache h = {0};
+    sn_unit_columns e = {.c = s.c};
+    sn_half_place place[3];
+    const uint64_t key[] = {1, 2, 3}, other = 9;
+    int32_t column[4];
+    vectors all = made_vectors(&s, 10, 3), near_one = made_vectors(&s, 10, 1),
+            of_columns = made_vectors(&s, 10, 1);
+    need_half_solves(&h, &s, &all, key, &e, place);
+    assert_int_equal(near_one.ptr[1], 4);
+    assert_int_equal(sn_unit_columns_need(&e, near_one.index, 2, column, NULL, NULL), SN_OK);
+    near_one.value[1] += 0.3;
+    need_half_solves(&h, &s, &near_one, key, &e, place);
+    assert_int_equal(h.n_batch, 1);
+    assert_int_equal(place[0].i_batch, 0);
+    of_columns.v.n = 1;
+    of_columns.ptr[1] = 2; /* the first two entries */
+    need_half_solves(&h, &s, &of_columns, &other, &e, place);
+    assert_int_equal(h.n_batch, 1);
+    assert_int_equal(place[0].i_batch, -1);
+    near_one.value[3] += 0.3; /* has no column */
+    need_half_solves(&h, &s, &near_one, key, &e, place);
+    assert_int_equal(h.n_batch, 2);
+    sn_half_cache_free(&h);
+    sn_unit_columns_free(&e);
+    free_vectors(&all);
+    free_vectors(&near_one);
+    free_vectors(&of_columns);
     free_system(&s);
 }
 
@@ -428,8 +528,11 @@ int main(void)
         cmocka_unit_test(half_solves_finish_as_whole_ones),
         cmocka_unit_test(products_are_those_with_the_inverse),
         cmocka_unit_test(terms_come_and_go),
+        cmocka_unit_test(rests_are_added),
         cmocka_unit_test(terms_that_take_away),
+        cmocka_unit_test(a_singular_change_is_refused),
         cmocka_unit_test(half_solves_are_kept),
+        cmocka_unit_test(near_half_solves_serve),
         cmocka_unit_test(gradients_find_the_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,139 @@
+/* Half solves combined and gone back with: first the trunk of the elimination tree, each thread with some of
+ * the right-hand sides, then its branches side by side, each with all. So the factor is read once by all
+ * threads together, but for the trunk. */
+#include "base/alloc.h"
+#include "field/back_solve.h"
+#include "field/half_solve_private.h"
+
+#include <string.h>
+
+#define MOST_VECS 6 /* of right-hand sides in a strip: each strip reads the trunk */
+
+typedef struct finishing {
+    const sn_half_term *term;
+    int32_t n_term, n_rhs;
+    double *const *out;
+    const int32_t *at;
+    const sn_cholesky *c;
+    double *x; /* n x width */
+    int32_t width, n_strip;
+} finishing;
+
+/* x += columns of y, those that are picked. */
+static void add_columns(const sn_half_term *t, size_t k, const finishing *job, const sn_strip *s, double *x)
+{
+    const sn_half_solve *h = t->y;
+    int own = sn_super_own(job->c->factor, k);
+    for (int32_t j = s->from; j < s->from + s->n && j < job->n_rhs; j++) {
+        int32_t column = t->pick ? t->pick[j] : j;
+        if (column < h->first[k] || column >= h->last[k]) continue;
+        const double *y = h->y + (size_t)column * (size_t)h->n_row + h->at[k];
+        for (int r = 0; r < own; r++) x[(size_t)r * (size_t)s->width + (size_t)(j - s->from)] += y[r];
+    }
+}
+
+/* x += y times its factor; y, column-major, is y' to row-major eyes; so is the factor. */
+static void add_multiplied(const sn_half_term *t, size_t k, const finishing *job, const sn_strip *s,
+                           double *x)
+{
+    const sn_half_solve *h = t->y;
+    int32_t first = h->first[k], n = s->from + s->n < job->n_rhs ? s->n : job->n_rhs - s->from;
+    cblas_dgemm(CblasRowMajor, CblasTrans, CblasTrans, sn_super_own(job->c->factor, k), n, h->last[k] - first,
+                1.0, h->y + (size_t)first * (size_t)h->n_row + h->at[k], (int)h->n_row,
+                t->factor + (size_t)s->from * (size_t)t->stride + first, t->stride, 1.0, x, s->width);
+}
+
+static void put_rows(const finishing *job, size_t k, const sn_strip *s)
+{
+    const SuiteSparse_long *perm = job->c->factor->Perm, *super = sn_supers(job->c->factor);
+    for (SuiteSparse_long r = super[k]; r < super[k + 1]; r++) {
+        size_t to = job->at ? (size_t)job->at[perm[r]] : (size_t)perm[r];
+        const double *x = job->x + (size_t)r * (size_t)job->width;
+        for (int32_t j = s->from; j < s->from + s->n && j < job->n_rhs; j++) job->out[j][to] = x[j];
+    }
+}
+
+static void finish_supernode(const finishing *job, size_t k, const sn_strip *s)
+{
+    const cholmod_factor *f = job->c->factor;
+    size_t width = (size_t)s->width;
+    double *x = s->x + (size_t)sn_supers(f)[k] * width + s->from;
+    for (int r = 0; r < sn_super_own(f, k); r++) memset(x + (size_t)r * width, 0, (size_t)s->n * sizeof *x);
+    for (int32_t i = 0; i < job->n_term; i++) {
+        const sn_half_term *t = &job->term[i];
+        if (t->y->at[k] < 0) continue;
+        if (t->factor)
+            add_multiplied(t, k, job, s, x);
+        else
+            add_columns(t, k, job, s, x);
+    }
+    sn_back_solve(f, k, s);
+    put_rows(job, k, s);
+}
+
+static sn_status open_strip(sn_strip *s, const finishing *job, int32_t from, int32_t to, sn_error *err)
+{
+    size_t n_row = job->c->factor->maxesize;
+    *s = (sn_strip){job->x, job->width, from, to - from, SN_NEW(double, n_row *(size_t)(to - from))};
+    return s->below ? SN_OK : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu rows", n_row);
+}
+
+/* A strip of the right-hand sides, in the trunk. */
+static sn_status finish_trunk(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    const finishing *job = user;
+    const sn_tree_cut *tree = &job->c->order->tree;
+    int32_t n_vec = job->width / SN_LANES, from = n_vec * i / job->n_strip * SN_LANES,
+            to = n_vec * (i + 1) / job->n_strip * SN_LANES;
+    sn_strip s;
+    sn_status st = open_strip(&s, job, from, job->width == 1 ? 1 : to, err);
+    for (int32_t k = tree->n_trunk - 1; !st && k >= 0; k--) {
+        finish_supernode(job, (size_t)tree->trunk[k], &s);
+        st = sn_run_step(run, "solving", -1.0, err);
+    }
+    sn_release(s.below);
+    return st;
+}
+
+static sn_status finish_branch(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    const finishing *job = user;
+    const sn_branch *b = &job->c->order->tree.branch[i];
+    sn_strip s;
+    sn_status st = open_strip(&s, job, 0, job->width, err);
+    for (int32_t k = b->to - 1; !st && k >= b->from; k--) {
+        finish_supernode(job, (size_t)k, &s);
+        if (k % 1024 == 0) st = sn_run_step(run, "solving", -1.0, err);
+    }
+    sn_release(s.below);
+    return st;
+}
+
+/* The same for any number of threads, as BLAS may round a column otherwise when others stand beside it; even,
+ * for two of them. */
+static int32_t count_strips(int32_t n_vec)
+{
+    return n_vec < 2 ? 1 : 2 * ((n_vec + 2 * MOST_VECS - 1) / (2 * MOST_VECS));
+}
+
+sn_status sn_half_solve_finish(const sn_half_term *term, int32_t n_term, int32_t n_rhs, double *const *out,
+                               const int32_t *at, const sn_run *run, sn_error *err)
+{
+    const sn_cholesky *c = term[0].y->c;
+    size_t n = c->factor->n;
+    finishing job = {.term = term,
+                     .n_term = n_term,
+                     .n_rhs = n_rhs,
+                     .out = out,
+                     .at = at,
+                     .c = c,
+                     .width = sn_back_solve_width(n_rhs)};
+    job.n_strip = count_strips(job.width / SN_LANES);
+    job.x = SN_NEW(double, n *(size_t)job.width);
+    if (!job.x) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu x %d values", n, job.width);
+    openblas_set_num_threads(1);
+    sn_status st = sn_run_each(run, job.n_strip, finish_trunk, &job, err);
+    if (!st) st = sn_run_each(run, c->order->tree.n_branch, finish_branch, &job, err);
+    sn_release(job.x);
+    return st;
+}
