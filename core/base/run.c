@@ -127,6 +127,11 @@ static int count_at_once(int threads, int32_t n)
     return even <= threads + threads / 2 ? even : threads;
 }
 
+int sn_run_count_at_once(const sn_run *run, int32_t n)
+{
+    return count_at_once(sn_run_threads(run), n);
+}
+
 sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err)
 {
     int threads = sn_run_threads(run), at_once = count_at_once(threads, n);

@@ -46,5 +46,6 @@ int sn_run_left_behind(void);
  * lowest index. Errors: those of fn, SN_ENOMEM. */
 typedef sn_status (*sn_each_fn)(void *user, int32_t i, const sn_run *run, sn_error *err);
 SN_MUST_USE sn_status sn_run_each(const sn_run *run, int32_t n, sn_each_fn fn, void *user, sn_error *err);
+int sn_run_count_at_once(const sn_run *run, int32_t n); /* how many of n items that does at a time */
 
 #endif

@@ -150,20 +150,31 @@ static void solve_panel(const block *b, int32_t n)
     }
 }
 
-void sn_back_solve(const cholmod_factor *f, size_t k, const sn_strip *s)
+/* The rows below: those of the branch come first, as they are ascending. */
+static void gather(const sn_strip *s, const SuiteSparse_long *row, int n_row)
 {
-    size_t width = (size_t)s->width, n = (size_t)s->n;
+    const int32_t *trunk_row = s->c->order->tree.trunk_row;
+    size_t width = (size_t)s->width, n = (size_t)s->n, size = n * sizeof(double);
+    double *to = s->below;
+    int i = 0;
+    for (; s->branch && i < n_row && row[i] < s->last; i++, to += n)
+        memcpy(to, s->branch + (size_t)(row[i] - s->first) * width, size);
+    for (; i < n_row; i++, to += n) memcpy(to, s->trunk + (size_t)trunk_row[row[i]] * width + s->from, size);
+}
+
+void sn_back_solve(const sn_strip *s, size_t k)
+{
+    const cholmod_factor *f = s->c->factor;
+    size_t n = (size_t)s->n;
     block b = {.l = sn_super_block(f, k),
                .own = sn_super_own(f, k),
                .all = sn_super_all(f, k),
-               .stride = width,
+               .stride = (size_t)s->width,
                .below_stride = n,
-               .x = s->x + (size_t)sn_supers(f)[k] * width + s->from,
+               .x = sn_strip_row(s, sn_supers(f)[k]),
                .below = s->below};
-    const SuiteSparse_long *row = sn_super_rows(f, k) + b.own;
-    for (int i = 0; i < b.all - b.own; i++)
-        memcpy(s->below + (size_t)i * n, s->x + (size_t)row[i] * width + s->from, n * sizeof *s->below);
-    if (width == 1) {
+    gather(s, sn_super_rows(f, k) + b.own, b.all - b.own);
+    if (s->width == 1) {
         solve_1(&b);
         return;
     }

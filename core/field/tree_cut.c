@@ -13,6 +13,7 @@ void sn_tree_cut_free(sn_tree_cut *t)
     sn_release(t->parent);
     sn_release(t->branch);
     sn_release(t->trunk);
+    sn_release(t->trunk_row);
     *t = (sn_tree_cut){0};
 }
 
@@ -53,7 +54,20 @@ static void cut(sn_tree_cut *t, int32_t n, const sn_branch *whole, bool *is_trun
     }
     for (int32_t k = 0; k < n; k++)
         if (is_trunk[k]) t->trunk[t->n_trunk++] = k;
-    qsort(t->branch, (size_t)t->n_branch, sizeof *t->branch, heaviest_first);
+    if (t->n_branch > 1) qsort(t->branch, (size_t)t->n_branch, sizeof *t->branch, heaviest_first);
+}
+
+static void count_rows(sn_tree_cut *t, const cholmod_factor *f)
+{
+    const SuiteSparse_long *super = sn_supers(f);
+    for (int32_t i = 0; i < t->n_trunk; i++) {
+        int32_t k = t->trunk[i];
+        for (SuiteSparse_long r = super[k]; r < super[k + 1]; r++) t->trunk_row[r] = t->n_trunk_row++;
+    }
+    for (int32_t i = 0; i < t->n_branch; i++) {
+        int32_t n = (int32_t)(super[t->branch[i].to] - super[t->branch[i].from]);
+        if (n > t->n_branch_row) t->n_branch_row = n;
+    }
 }
 
 sn_status sn_tree_cut_find(sn_tree_cut *t, const cholmod_factor *f, const int32_t *super_of, sn_error *err)
@@ -61,11 +75,15 @@ sn_status sn_tree_cut_find(sn_tree_cut *t, const cholmod_factor *f, const int32_
     size_t n = f->nsuper;
     sn_branch *whole = SN_NEW(sn_branch, n);
     bool *is_trunk = SN_NEW(bool, n);
-    *t = (sn_tree_cut){SN_NEW(int32_t, n), SN_NEW(sn_branch, n), 0, SN_NEW(int32_t, n), 0};
-    bool ok = whole && is_trunk && t->parent && t->branch && t->trunk;
+    *t = (sn_tree_cut){.parent = SN_NEW(int32_t, n),
+                       .branch = SN_NEW(sn_branch, n),
+                       .trunk = SN_NEW(int32_t, n),
+                       .trunk_row = SN_NEW(int32_t, f->n)};
+    bool ok = whole && is_trunk && t->parent && t->branch && t->trunk && t->trunk_row;
     if (ok) {
         find_whole(t, f, super_of, whole);
         cut(t, (int32_t)n, whole, is_trunk);
+        count_rows(t, f);
     }
     sn_release(whole);
     sn_release(is_trunk);

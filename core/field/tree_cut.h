@@ -19,6 +19,9 @@ typedef struct sn_tree_cut { /* zero-initialised = empty         */
     int32_t n_branch;
     int32_t *trunk; /* n_trunk: supernodes, ascending; owned */
     int32_t n_trunk;
+    int32_t *trunk_row;   /* n: of rows of the trunk, their number among these; owned */
+    int32_t n_trunk_row;  /* rows of the trunk                */
+    int32_t n_branch_row; /* most rows of a branch            */
 } sn_tree_cut;
 
 /* f: supernodal, in postorder. Depends on nothing else. Errors: SN_ENOMEM. */
