@@ -6,19 +6,11 @@
 #include <string.h>
 
 enum {
-    n_together = 4, /* columns of L at a time                                */
-    most_vecs = 3,  /* vectors of right-hand sides: their sums stay in registers */
-    panel = 16384   /* entries of L that stay in the cache for all right-hand sides */
+    most_columns = 4, /* of L at a time */
+    most_vecs = 3,    /* vectors of right-hand sides: all sums stay in registers */
+    panel = 16384     /* entries of L that stay in the cache for all right-hand sides */
 };
 typedef double vec __attribute__((vector_size(SN_LANES * sizeof(double)), aligned(sizeof(double))));
-
-/* Fused multiply-adds where the processor has them: the same bits on every run of one machine, as of BLAS. */
-#if defined(__x86_64__) && defined(__GNUC__)
-#define HAS_WIDE 1
-#define WIDE __attribute__((target("avx2,fma"), optimize("fp-contract=fast")))
-#else
-#define HAS_WIDE 0
-#endif
 
 typedef struct block { /* one supernode, some of the right-hand sides */
     const double *l;   /* all x own, column-major      */
@@ -29,7 +21,7 @@ typedef struct block { /* one supernode, some of the right-hand sides */
     const double *below;         /* the rows below, gathered     */
 } block;
 
-typedef vec sums[n_together][most_vecs];
+typedef vec sums[most_columns][most_vecs];
 
 /* sum[i] += L(rows, column + i)' z for n columns and w vectors. */
 static inline __attribute__((always_inline)) void add_products(const double *l, int all, int n_row,
@@ -70,45 +62,46 @@ static inline __attribute__((always_inline)) void solve_columns(const block *b, 
     }
 }
 
-static inline __attribute__((always_inline)) void solve_block(const block *b, int w)
+static inline __attribute__((always_inline)) void solve_block(const block *b, int n, int w)
 {
     int column = b->last;
-    for (; column - b->first >= n_together; column -= n_together)
-        solve_columns(b, column - n_together, n_together, w);
+    for (; column - b->first >= n; column -= n) solve_columns(b, column - n, n, w);
     for (; column > b->first; column--) solve_columns(b, column - 1, 1, w);
 }
 
-static void solve_4(const block *b)
-{
-    solve_block(b, 1);
-}
+/* For one, two and three vectors of right-hand sides, with n columns of L at a time. */
+#define SOLVERS(name, n, target)                                                                             \
+    target static void name##_1(const block *b)                                                              \
+    {                                                                                                        \
+        solve_block(b, n, 1);                                                                                \
+    }                                                                                                        \
+    target static void name##_2(const block *b)                                                              \
+    {                                                                                                        \
+        solve_block(b, n, 2);                                                                                \
+    }                                                                                                        \
+    target static void name##_3(const block *b)                                                              \
+    {                                                                                                        \
+        solve_block(b, n, 3);                                                                                \
+    }                                                                                                        \
+    static const solve_fn name[] = {NULL, name##_1, name##_2, name##_3};
 
-static void solve_8(const block *b)
-{
-    solve_block(b, 2);
-}
-
-static void solve_12(const block *b)
-{
-    solve_block(b, 3);
-}
-
-#if HAS_WIDE
-WIDE static void solve_4_wide(const block *b)
-{
-    solve_block(b, 1);
-}
-
-WIDE static void solve_8_wide(const block *b)
-{
-    solve_block(b, 2);
-}
-
-WIDE static void solve_12_wide(const block *b)
-{
-    solve_block(b, 3);
-}
+typedef void (*solve_fn)(const block *);
+SOLVERS(plain, 2, )
+/* Fused multiply-adds where the processor has them: the same bits on every run of one machine, as of BLAS. */
+#if defined(__x86_64__) && defined(__GNUC__)
+#define FUSED optimize("fp-contract=fast")
+SOLVERS(avx2, 2, __attribute__((target("avx2,fma"), FUSED)))
+SOLVERS(avx512, 4, __attribute__((target("avx512f"), FUSED)))
 #endif
+
+static const solve_fn *solvers(void)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx512f")) return avx512;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return avx2;
+#endif
+    return plain;
+}
 
 /* One right-hand side: BLAS reads the factor as it lies, too. */
 static void solve_1(const block *b)
@@ -120,33 +113,20 @@ static void solve_1(const block *b)
     cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, b->own, b->l, b->all, b->x, 1);
 }
 
-typedef void (*solve_fn)(const block *);
-
-/* For so many right-hand sides. */
-static solve_fn solver_of(int32_t width)
-{
-    static const solve_fn plain[] = {NULL, solve_4, solve_8, solve_12};
-#if HAS_WIDE
-    static const solve_fn wide[] = {NULL, solve_4_wide, solve_8_wide, solve_12_wide};
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return wide[width / SN_LANES];
-#endif
-    return plain[width / SN_LANES];
-}
-
 int32_t sn_back_solve_width(int32_t n_rhs)
 {
     return n_rhs == 1 ? 1 : (n_rhs + SN_LANES - 1) / SN_LANES * SN_LANES;
 }
 
 /* All right-hand sides, as many at a time as stay in registers. */
-static void solve_panel(const block *b, int32_t n)
+static void solve_panel(const block *b, int32_t n, const solve_fn *solve)
 {
     const int32_t most = most_vecs * SN_LANES;
     for (int32_t from = 0; from < n; from += most) {
         block part = *b;
         part.x += from;
         part.below += from;
-        solver_of(n - from < most ? n - from : most)(&part);
+        solve[(n - from < most ? n - from : most) / SN_LANES](&part);
     }
 }
 
@@ -178,10 +158,11 @@ void sn_back_solve(const sn_strip *s, size_t k)
         solve_1(&b);
         return;
     }
-    int n_column = panel / b.all / n_together * n_together;
-    if (n_column < n_together) n_column = n_together;
+    const solve_fn *solve = solvers();
+    int n_column = panel / b.all / most_columns * most_columns;
+    if (n_column < most_columns) n_column = most_columns;
     for (b.last = b.own; b.last > 0; b.last = b.first) {
         b.first = b.last > n_column ? b.last - n_column : 0;
-        solve_panel(&b, s->n);
+        solve_panel(&b, s->n, solve);
     }
 }

@@ -8,7 +8,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define MOST_VECS 6 /* of right-hand sides in a strip: each strip reads the trunk */
+#define MOST_VECS 3 /* of right-hand sides in a strip: each strip reads the trunk */
 
 typedef struct finishing {
     const sn_half_term *term;
