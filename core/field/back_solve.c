@@ -10,7 +10,6 @@ enum {
     most_vecs = 3,    /* vectors of right-hand sides: all sums stay in registers */
     panel = 16384     /* entries of L that stay in the cache for all right-hand sides */
 };
-typedef double vec __attribute__((vector_size(SN_LANES * sizeof(double)), aligned(sizeof(double))));
 
 typedef struct block { /* one supernode, some of the right-hand sides */
     const double *l;   /* all x own, column-major      */
@@ -21,86 +20,36 @@ typedef struct block { /* one supernode, some of the right-hand sides */
     const double *below;         /* the rows below, gathered     */
 } block;
 
-typedef vec sums[most_columns][most_vecs];
+typedef struct kernel {
+    int lanes;                                   /* right-hand sides in a vector */
+    void (*solve[most_vecs + 1])(const block *); /* for so many vectors          */
+} kernel;
 
-/* sum[i] += L(rows, column + i)' z for n columns and w vectors. */
-static inline __attribute__((always_inline)) void add_products(const double *l, int all, int n_row,
-                                                               const double *z, size_t stride, int n, int w,
-                                                               sums sum)
-{
-    for (int r = 0; r < n_row; r++) {
-        const vec *row = (const vec *)(z + (size_t)r * stride);
-#pragma GCC unroll 4
-        for (int i = 0; i < n; i++) {
-            double entry = l[(size_t)i * (size_t)all + (size_t)r];
-#pragma GCC unroll 4
-            for (int k = 0; k < w; k++) sum[i][k] += entry * row[k];
-        }
-    }
-}
+#define KERNEL plain
+#define LANES 2
+#define TARGET
+#include "field/back_kernel.h"
 
-/* The columns column .. column + n - 1 of a supernode; those after them are done. */
-static inline __attribute__((always_inline)) void solve_columns(const block *b, int column, int n, int w)
-{
-    sums sum = {0};
-    size_t all = (size_t)b->all;
-    const double *l = b->l + (size_t)column * all;
-    int next = column + n;
-    add_products(l + next, b->all, b->own - next, b->x + (size_t)next * b->stride, b->stride, n, w, sum);
-    add_products(l + b->own, b->all, b->all - b->own, b->below, b->below_stride, n, w, sum);
-#pragma GCC unroll 4
-    for (int i = n - 1; i >= 0; i--) {
-        vec *x = (vec *)(b->x + (size_t)(column + i) * b->stride);
-#pragma GCC unroll 4
-        for (int j = i + 1; j < n; j++) {
-            const vec *done = (const vec *)(b->x + (size_t)(column + j) * b->stride);
-#pragma GCC unroll 4
-            for (int k = 0; k < w; k++) sum[i][k] += l[(size_t)i * all + (size_t)(column + j)] * done[k];
-        }
-#pragma GCC unroll 4
-        for (int k = 0; k < w; k++) x[k] = (x[k] - sum[i][k]) / l[(size_t)i * all + (size_t)(column + i)];
-    }
-}
-
-static inline __attribute__((always_inline)) void solve_block(const block *b, int n, int w)
-{
-    int column = b->last;
-    for (; column - b->first >= n; column -= n) solve_columns(b, column - n, n, w);
-    for (; column > b->first; column--) solve_columns(b, column - 1, 1, w);
-}
-
-/* For one, two and three vectors of right-hand sides, with n columns of L at a time. */
-#define SOLVERS(name, n, target)                                                                             \
-    target static void name##_1(const block *b)                                                              \
-    {                                                                                                        \
-        solve_block(b, n, 1);                                                                                \
-    }                                                                                                        \
-    target static void name##_2(const block *b)                                                              \
-    {                                                                                                        \
-        solve_block(b, n, 2);                                                                                \
-    }                                                                                                        \
-    target static void name##_3(const block *b)                                                              \
-    {                                                                                                        \
-        solve_block(b, n, 3);                                                                                \
-    }                                                                                                        \
-    static const solve_fn name[] = {NULL, name##_1, name##_2, name##_3};
-
-typedef void (*solve_fn)(const block *);
-SOLVERS(plain, 2, )
 /* Fused multiply-adds where the processor has them: the same bits on every run of one machine, as of BLAS. */
 #if defined(__x86_64__) && defined(__GNUC__)
-#define FUSED optimize("fp-contract=fast")
-SOLVERS(avx2, 2, __attribute__((target("avx2,fma"), FUSED)))
-SOLVERS(avx512, 4, __attribute__((target("avx512f"), FUSED)))
+#define KERNEL avx2
+#define LANES 4
+#define TARGET __attribute__((target("avx2,fma"), optimize("fp-contract=fast")))
+#include "field/back_kernel.h"
+
+#define KERNEL avx512
+#define LANES 8
+#define TARGET __attribute__((target("avx512f"), optimize("fp-contract=fast")))
+#include "field/back_kernel.h"
 #endif
 
-static const solve_fn *solvers(void)
+static const kernel *best_kernel(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
-    if (__builtin_cpu_supports("avx512f")) return avx512;
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return avx2;
+    if (__builtin_cpu_supports("avx512f")) return &avx512;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &avx2;
 #endif
-    return plain;
+    return &plain;
 }
 
 /* One right-hand side: BLAS reads the factor as it lies, too. */
@@ -119,14 +68,14 @@ int32_t sn_back_solve_width(int32_t n_rhs)
 }
 
 /* All right-hand sides, as many at a time as stay in registers. */
-static void solve_panel(const block *b, int32_t n, const solve_fn *solve)
+static void solve_panel(const block *b, int32_t n, const kernel *with)
 {
-    const int32_t most = most_vecs * SN_LANES;
+    const int32_t most = most_vecs * with->lanes;
     for (int32_t from = 0; from < n; from += most) {
         block part = *b;
         part.x += from;
         part.below += from;
-        solve[(n - from < most ? n - from : most) / SN_LANES](&part);
+        with->solve[(n - from < most ? n - from : most) / with->lanes](&part);
     }
 }
 
@@ -158,11 +107,11 @@ void sn_back_solve(const sn_strip *s, size_t k)
         solve_1(&b);
         return;
     }
-    const solve_fn *solve = solvers();
+    const kernel *with = best_kernel();
     int n_column = panel / b.all / most_columns * most_columns;
     if (n_column < most_columns) n_column = most_columns;
     for (b.last = b.own; b.last > 0; b.last = b.first) {
         b.first = b.last > n_column ? b.last - n_column : 0;
-        solve_panel(&b, s->n, solve);
+        solve_panel(&b, s->n, with);
     }
 }

@@ -5,7 +5,7 @@
 
 #include "field/cholesky_private.h"
 
-#define SN_LANES 8 /* right-hand sides in a vector: one of AVX-512, two of AVX2 */
+#define SN_LANES 8 /* right-hand sides come in multiples of this: the most that a vector holds */
 
 int32_t sn_back_solve_width(int32_t n_rhs); /* values per row of x that so many of them take */
 
