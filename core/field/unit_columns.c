@@ -45,24 +45,31 @@ static int32_t find_columns(const sn_unit_columns *u, const int32_t *unknown, in
     return n_missing;
 }
 
-/* The products with a new part, put into gram (width x width), which has those of the others. */
-static sn_status add_products(const sn_unit_columns *u, const sn_unit_part *new, double *gram, sn_error *err)
+typedef struct products { /* of a new part with all */
+    const sn_unit_columns *u;
+    const sn_unit_part *new;
+    double *gram; /* width x width: has those of the others */
+} products;
+
+/* With part p; the one after the last is the new one itself. */
+static sn_status add_product(void *user, int32_t p, const sn_run *run, sn_error *err)
 {
-    size_t n = (size_t) new->n, width = (size_t) new->first + n;
-    double *block = SN_NEW(double, width *n);
-    if (!block) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu columns", width);
-    for (int32_t p = 0; p <= u->n_part; p++) {
-        const sn_unit_part *with = p < u->n_part ? &u->part[p] : new;
-        if (with == new)
-            sn_half_solve_gram(new->y, block);
-        else
-            sn_half_solve_product(with->y, new->y, block);
-        for (size_t j = 0; j < n; j++)
-            for (size_t i = 0; i < (size_t)with->n; i++) {
-                size_t a = (size_t)with->first + i, b = (size_t) new->first + j;
-                gram[b * width + a] = gram[a * width + b] = block[j * (size_t)with->n + i];
-            }
-    }
+    const products *job = user;
+    const sn_unit_part *new = job->new, *with = p < job->u->n_part ? &job->u->part[p] : new;
+    size_t n = (size_t) new->n, n_with = (size_t)with->n, width = (size_t) new->first + n;
+    sn_status st = sn_run_step(run, "solving", -1.0, err);
+    double *block = st ? NULL : SN_NEW(double, n_with *n);
+    if (!st && !block) st = sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu columns", width);
+    if (st) return st;
+    if (with == new)
+        sn_half_solve_gram(new->y, block);
+    else
+        sn_half_solve_product(with->y, new->y, block);
+    for (size_t j = 0; j < n; j++)
+        for (size_t i = 0; i < n_with; i++) {
+            size_t a = (size_t)with->first + i, b = (size_t) new->first + j;
+            job->gram[b * width + a] = job->gram[a * width + b] = block[j * n_with + i];
+        }
     sn_release(block);
     return SN_OK;
 }
@@ -81,7 +88,8 @@ static sn_status append(sn_unit_columns *u, const int32_t *unknown, int32_t n, c
                        ? sn_half_solve_create_units(&new.y, u->c, unknown, n, run, err)
                        : sn_fail(err, SN_ENOMEM, "cholesky: no memory for %zu columns", width);
     for (size_t j = 0; !st && j < old; j++) memcpy(gram + j * width, u->gram + j * old, old * sizeof *gram);
-    if (!st) st = add_products(u, &new, gram, err);
+    products job = {u, &new, gram};
+    if (!st) st = sn_run_each(run, u->n_part + 1, add_product, &job, err);
     if (st) {
         sn_half_solve_destroy(new.y);
         sn_release(gram);
