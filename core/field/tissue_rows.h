@@ -27,4 +27,14 @@ SN_MUST_USE sn_status sn_row_set_join(const sn_row_set *a, const sn_row_set *b, 
  * returns how many there are. */
 int32_t sn_row_set_less(const sn_row_set *from, const sn_row_set *other, sn_row *out);
 
+/* The rows of curves, and what places them in a matrix. */
+typedef struct sn_tissue_rows { /* borrowed */
+    const sn_row_set *set;
+    uint64_t revision;     /* > 0; another one for other rows or another alpha */
+    const int32_t *tet;    /* of the mesh: corners                             */
+    const int32_t *number; /* unknown of each vertex, -1 for none              */
+    int32_t n_free;        /* unknowns                                         */
+    double alpha;
+} sn_tissue_rows;
+
 #endif

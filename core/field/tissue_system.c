@@ -1,9 +1,9 @@
 #include "field/tissue_system.h"
 
 #include "base/alloc.h"
+#include "field/tissue_change.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Unknowns that what a factor is off by may touch: a new one costs about a right-hand side, forward only
@@ -69,98 +69,6 @@ static sn_status factorize(sn_tissue_system *s, const sn_tissue_rows *rows, sn_c
 
 /* ---- what changed ---- */
 
-typedef struct terms {
-    sn_row *row; /* gained ones, then lost ones, then ones that went since a field was solved for */
-    int32_t n_gained, n_term, n_row;
-    int32_t *ptr, *index; /* n_row + 1, ptr[n_row]: unknowns */
-    double *value, *weight;
-    int32_t *probe, n_probe; /* unknowns of those that went */
-} terms;
-
-static void terms_free(terms *t)
-{
-    sn_release(t->row);
-    sn_release(t->ptr);
-    sn_release(t->index);
-    sn_release(t->value);
-    sn_release(t->weight);
-    sn_release(t->probe);
-}
-
-static sn_status find_rows(terms *t, const sn_row_set *base, const sn_row_set *now, const sn_row_set *past,
-                           sn_error *err)
-{
-    size_t most = (size_t)now->n + (size_t)base->n + (size_t)past->n;
-    sn_row *gone = SN_NEW(sn_row, past->n);
-    t->row = SN_NEW(sn_row, most);
-    if (!t->row || !gone) {
-        sn_release(gone);
-        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %zu rows", most);
-    }
-    t->n_gained = sn_row_set_less(now, base, t->row);
-    t->n_term = t->n_gained + sn_row_set_less(base, now, t->row + t->n_gained);
-    const sn_row_set without = {gone, sn_row_set_less(past, now, gone)};
-    t->n_row = t->n_term + sn_row_set_less(&without, base, t->row + t->n_term);
-    sn_release(gone);
-    return SN_OK;
-}
-
-static sn_status fill_rows(terms *t, const sn_tissue_rows *rows, sn_error *err)
-{
-    t->ptr = SN_NEW_ZERO(int32_t, (size_t)t->n_row + 1);
-    t->index = SN_NEW(int32_t, 4 * (size_t)t->n_row);
-    t->value = SN_NEW(double, 4 * (size_t)t->n_row);
-    t->weight = SN_NEW(double, t->n_row);
-    if (!t->ptr || !t->index || !t->value || !t->weight)
-        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", t->n_row);
-    for (int32_t j = 0; j < t->n_row; j++) {
-        int32_t n = t->ptr[j];
-        for (int k = 0; k < 4; k++) {
-            int32_t u = rows->number[rows->tet[4 * (size_t)t->row[j].tet + (size_t)k]];
-            if (u < 0) continue;
-            t->index[n] = u;
-            t->value[n++] = t->row[j].bary[k];
-        }
-        t->ptr[j + 1] = n;
-        t->weight[j] = j < t->n_gained ? rows->alpha : -rows->alpha;
-    }
-    return SN_OK;
-}
-
-static int compare(const void *pa, const void *pb)
-{
-    int32_t a = *(const int32_t *)pa, b = *(const int32_t *)pb;
-    return a < b ? -1 : a > b;
-}
-
-/* Sorts, and keeps each once; returns how many. */
-static int32_t make_unique(int32_t *x, int32_t n)
-{
-    int32_t kept = 0;
-    if (n > 1) qsort(x, (size_t)n, sizeof *x, compare);
-    for (int32_t i = 0; i < n; i++)
-        if (kept == 0 || x[kept - 1] != x[i]) x[kept++] = x[i];
-    return kept;
-}
-
-/* *n_touched: unknowns of the terms. */
-static sn_status find_unknowns(terms *t, int32_t *n_touched, sn_error *err)
-{
-    int32_t n = t->ptr[t->n_term], n_gone = t->ptr[t->n_row] - n;
-    int32_t *touched = SN_NEW(int32_t, n);
-    t->probe = SN_NEW(int32_t, n_gone);
-    if (!touched || !t->probe) {
-        sn_release(touched);
-        return sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", t->n_row);
-    }
-    if (n > 0) memcpy(touched, t->index, (size_t)n * sizeof *touched);
-    if (n_gone > 0) memcpy(t->probe, t->index + n, (size_t)n_gone * sizeof *t->probe);
-    *n_touched = make_unique(touched, n);
-    t->n_probe = make_unique(t->probe, n_gone);
-    sn_release(touched);
-    return SN_OK;
-}
-
 static sn_status join_states(const sn_tissue_system *s, sn_row_set *past, sn_error *err)
 {
     sn_status st = SN_OK;
@@ -178,22 +86,19 @@ static int32_t changes_allowed(int32_t n_free)
 static sn_status change(sn_tissue_system *s, const sn_tissue_rows *rows, bool with_probes, const sn_run *run,
                         bool *is_near, sn_error *err)
 {
-    terms t = {0};
+    sn_tissue_change c = {0};
     sn_row_set past = {0};
-    int32_t n_touched = 0;
     sn_status st = with_probes ? join_states(s, &past, err) : SN_OK;
-    if (!st) st = find_rows(&t, &s->base, rows->set, &past, err);
-    sn_row_set_free(&past);
-    if (!st) st = fill_rows(&t, rows, err);
-    if (!st) st = find_unknowns(&t, &n_touched, err);
-    *is_near = !st && n_touched <= changes_allowed(rows->n_free);
-    s->can_see = with_probes && t.n_probe <= MOST_PROBES;
+    if (!st) st = sn_tissue_change_find(&c, &s->base, rows, &past, err);
+    *is_near = !st && c.n_touched <= changes_allowed(rows->n_free);
+    s->can_see = with_probes && c.n_probe <= MOST_PROBES;
     if (*is_near) {
-        const sn_low_rank_terms change_of = {
-            {t.n_term, t.ptr, t.index, t.value}, t.weight, t.probe, s->can_see ? t.n_probe : 0};
-        st = sn_low_rank_set(s->change, &change_of, run, err);
+        const sn_low_rank_terms terms = {
+            {c.n_term, c.ptr, c.index, c.value}, c.weight, c.probe, s->can_see ? c.n_probe : 0};
+        st = sn_low_rank_set(s->change, &terms, run, err);
     }
-    terms_free(&t);
+    sn_row_set_free(&past);
+    sn_tissue_change_free(&c);
     return st;
 }
 

@@ -33,16 +33,6 @@ typedef struct sn_tissue_system { /* zero-initialised but for the factor; owned 
 void sn_tissue_system_free(sn_tissue_system *s);
 void sn_tissue_system_forget(sn_tissue_system *s); /* the factor: the next follow makes another */
 
-/* What a system follows. */
-typedef struct sn_tissue_rows { /* borrowed */
-    const sn_row_set *set;
-    uint64_t revision;     /* > 0; another one for other rows or another alpha */
-    const int32_t *tet;    /* of the mesh: corners                             */
-    const int32_t *number; /* unknown of each vertex, -1 for none              */
-    int32_t n_free;        /* unknowns                                         */
-    double alpha;
-} sn_tissue_rows;
-
 /* Fills the whole matrix without the rows. */
 typedef void (*sn_fill_fn)(const void *user, sn_csr *matrix);
 

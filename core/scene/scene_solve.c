@@ -174,8 +174,8 @@ static sn_status need_room(sn_scene *s, sn_error *err)
     return SN_OK;
 }
 
-/* Of the largest tissue value: 1e-3 is promised, and a field may change more than the places show at which
- * its change is measured. */
+/* Of the largest tissue value. 1e-3 is promised; the change of a field is largest where its matrix changed,
+ * which is looked at, but for what obtuse tets add. */
 #define QUICK_REL 5e-4
 
 static double largest_value(const sn_scene *s)
