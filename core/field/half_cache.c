@@ -7,8 +7,17 @@
 /* Each is a term of every solve. */
 enum { most_batches = 4 };
 
+static void drop_products(sn_half_batch *b)
+{
+    for (int32_t i = 0; i < b->n_product; i++) sn_release(b->product[i]);
+    sn_release(b->product);
+    b->product = NULL;
+    b->n_product = 0;
+}
+
 static void free_batch(sn_half_batch *b)
 {
+    drop_products(b);
     sn_half_solve_destroy(b->z);
     sn_release(b->ptr);
     sn_release(b->index);
@@ -141,12 +150,10 @@ static sn_status make_batch(sn_half_batch *b, const sn_half_wanted *w, const boo
                             int32_t n_missing, const sn_run *run, sn_error *err)
 {
     int32_t n_entry = w->b.ptr[w->b.n], n = 0;
-    *b = (sn_half_batch){NULL,
-                         SN_NEW_ZERO(int32_t, (size_t)n_missing + 1),
-                         SN_NEW(int32_t, n_entry),
-                         SN_NEW(double, n_entry),
-                         SN_NEW(uint64_t, n_missing),
-                         0};
+    *b = (sn_half_batch){.ptr = SN_NEW_ZERO(int32_t, (size_t)n_missing + 1),
+                         .index = SN_NEW(int32_t, n_entry),
+                         .value = SN_NEW(double, n_entry),
+                         .key = SN_NEW(uint64_t, n_missing)};
     if (!b->ptr || !b->index || !b->value || !b->key)
         return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d vectors", n_missing);
     for (int32_t j = 0; j < w->b.n; j++) {
@@ -199,5 +206,68 @@ sn_status sn_half_cache_need(sn_half_cache *h, const sn_half_wanted *w, const sn
     if (n_missing > 0) st = add_batch(h, w, is_missing, n_missing, run, place, err);
     close_search(&s);
     sn_release(is_missing);
+    return st;
+}
+
+/* ---- products ---- */
+
+/* Room for products with all parts; those with columns that were given up go. */
+static sn_status open_products(sn_half_batch *b, const sn_unit_columns *e, sn_error *err)
+{
+    if (b->generation != e->generation) drop_products(b);
+    b->generation = e->generation;
+    double **product = sn_realloc(b->product, (size_t)e->n_part, sizeof(double *));
+    if (!product) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d columns", e->width);
+    b->product = product;
+    for (; b->n_product < e->n_part; b->n_product++) b->product[b->n_product] = NULL;
+    return SN_OK;
+}
+
+typedef struct multiplying {
+    sn_half_cache *h;
+    const sn_unit_columns *e;
+    const bool *is_used; /* n_batch */
+} multiplying;
+
+static sn_status multiply(void *user, int32_t i, const sn_run *run, sn_error *err)
+{
+    const multiplying *m = user;
+    sn_half_batch *b = &m->h->batch[i / m->e->n_part];
+    const sn_unit_part *part = &m->e->part[i % m->e->n_part];
+    double **product = m->is_used[i / m->e->n_part] ? &b->product[i % m->e->n_part] : NULL;
+    if (!product || *product) return SN_OK;
+    sn_status st = sn_run_step(run, "solving", -1.0, err);
+    if (st) return st;
+    *product = SN_NEW(double, (size_t)part->n *(size_t)sn_half_solve_count(b->z));
+    if (!*product) return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d columns", part->n);
+    sn_half_solve_product(part->y, b->z, *product);
+    return SN_OK;
+}
+
+static void put_seen(const sn_half_cache *h, const sn_unit_columns *e, sn_half_place place, double *seen)
+{
+    if (place.i_batch < 0) {
+        if (e->width > 0) memset(seen, 0, (size_t)e->width * sizeof *seen);
+        return;
+    }
+    for (int32_t p = 0; p < e->n_part; p++) {
+        size_t n = (size_t)e->part[p].n;
+        memcpy(seen + e->part[p].first, h->batch[place.i_batch].product[p] + (size_t)place.column * n,
+               n * sizeof *seen);
+    }
+}
+
+sn_status sn_half_cache_see(sn_half_cache *h, const sn_unit_columns *e, const sn_half_place *place, int32_t n,
+                            const sn_run *run, double *seen, sn_error *err)
+{
+    bool is_used[most_batches] = {false};
+    sn_status st = SN_OK;
+    for (int32_t j = 0; j < n; j++)
+        if (place[j].i_batch >= 0) is_used[place[j].i_batch] = true;
+    for (int32_t i = 0; i < h->n_batch && !st; i++)
+        if (is_used[i]) st = open_products(&h->batch[i], e, err);
+    multiplying m = {h, e, is_used};
+    if (!st) st = sn_run_each(run, h->n_batch * e->n_part, multiply, &m, err);
+    for (size_t j = 0; !st && j < (size_t)n; j++) put_seen(h, e, place[j], seen + j * (size_t)e->width);
     return st;
 }

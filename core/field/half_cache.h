@@ -10,6 +10,9 @@ typedef struct sn_half_batch { /* half solves made together                  */
     int32_t *ptr, *index;      /* their right-hand sides; owned              */
     double *value;
     uint64_t *key;
+    double **product; /* n_product: Y'Z with parts of columns, NULL where it was not asked for; owned */
+    int32_t n_product;
+    uint64_t generation; /* of these columns */
     uint64_t last_use;
 } sn_half_batch;
 
@@ -37,5 +40,10 @@ typedef struct sn_half_wanted { /* borrowed                                     
  * SN_ELIMIT. */
 SN_MUST_USE sn_status sn_half_cache_need(sn_half_cache *h, const sn_half_wanted *w, const sn_run *run,
                                          sn_half_place *place, double *rest, sn_error *err);
+/* seen := Y'Z of n places with all columns, e->width x n, column-major; 0 for places without a batch. What
+ * was multiplied before is known. Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT. */
+SN_MUST_USE sn_status sn_half_cache_see(sn_half_cache *h, const sn_unit_columns *e,
+                                        const sn_half_place *place, int32_t n, const sn_run *run,
+                                        double *seen, sn_error *err);
 
 #endif

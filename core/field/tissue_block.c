@@ -33,7 +33,7 @@ static sn_status init_job(block_job *j, sn_error *err)
     sn_status st = sn_tissue_rhs_init(&j->rhs, j->s, j->b->tissue, j->b->n, err);
     j->place = SN_NEW(sn_half_place, n);
     j->factor = SN_NEW(double, width *n);
-    j->seen = SN_NEW_ZERO(double, width *n);
+    j->seen = SN_NEW(double, width *n);
     j->go = SN_NEW(int32_t, n);
     j->out = SN_NEW(double *, n);
     if (st || (j->place && j->factor && j->seen && j->go && j->out)) return st;
@@ -41,39 +41,6 @@ static sn_status init_job(block_job *j, sn_error *err)
 }
 
 /* ---- forward ---- */
-
-typedef struct product_job { /* Y'Z, part by part */
-    const block_job *j;
-    int32_t n_part;
-} product_job;
-
-static bool needs_batch(const block_job *j, int32_t i_batch)
-{
-    for (int32_t c = 0; c < j->b->n; c++)
-        if (j->place[c].i_batch == i_batch) return true;
-    return false;
-}
-
-static sn_status one_product(void *user, int32_t i, const sn_run *run, sn_error *err)
-{
-    const product_job *p = user;
-    const block_job *j = p->j;
-    const sn_unit_columns *e = sn_low_rank_columns(j->system->change);
-    const sn_unit_part *part = &e->part[i % p->n_part];
-    int32_t i_batch = i / p->n_part, n = part->n;
-    if (!needs_batch(j, i_batch)) return SN_OK; /* kept for other tissues */
-    const sn_half_solve *z = j->system->half.batch[i_batch].z;
-    sn_status st = sn_run_step(run, "solving", -1.0, err);
-    double *product = st ? NULL : SN_NEW(double, (size_t)n *(size_t)sn_half_solve_count(z));
-    if (!st && !product) st = sn_fail(err, SN_ENOMEM, "tissue: no memory for %d rows", n);
-    if (!st) sn_half_solve_product(part->y, z, product);
-    for (int32_t c = 0; !st && c < j->b->n; c++)
-        if (j->place[c].i_batch == i_batch)
-            memcpy(j->seen + (size_t)c * (size_t)e->width + part->first,
-                   product + (size_t)j->place[c].column * (size_t)n, (size_t)n * sizeof *product);
-    sn_release(product);
-    return st;
-}
 
 /* A muscle's values and curve may have changed; it is the same one all the same. */
 static sn_status need_half_solves(block_job *j, const sn_run *run, sn_error *err)
@@ -93,10 +60,12 @@ static sn_status need_half_solves(block_job *j, const sn_run *run, sn_error *err
 
 static sn_status go_forward(block_job *j, const sn_run *run, sn_error *err)
 {
+    const sn_low_rank *change = j->system->change;
     sn_status st = need_half_solves(j, run, err);
-    product_job p = {j, sn_low_rank_columns(j->system->change)->n_part};
-    if (!st) st = sn_run_each(run, p.n_part * j->system->half.n_batch, one_product, &p, err);
-    return st ? st : sn_low_rank_factor(j->system->change, j->b->n, j->seen, j->factor, err);
+    if (!st)
+        st = sn_half_cache_see(&j->system->half, sn_low_rank_columns(change), j->place, j->b->n, run, j->seen,
+                               err);
+    return st ? st : sn_low_rank_factor(change, j->b->n, j->seen, j->factor, err);
 }
 
 /* ---- quick: what is worth going back for ---- */

@@ -15,7 +15,7 @@ void sn_unit_columns_free(sn_unit_columns *u)
     sn_release(u->part);
     sn_release(u->unknown);
     sn_release(u->gram);
-    *u = (sn_unit_columns){.c = u->c};
+    *u = (sn_unit_columns){.c = u->c, .generation = u->generation + 1};
 }
 
 typedef struct wanted { /* a column that is not there yet */

@@ -16,7 +16,8 @@ typedef struct sn_unit_columns { /* zero-initialised but for c = empty          
     int32_t n_part;
     int32_t *unknown; /* width: of each column; owned                                           */
     int32_t width;
-    double *gram; /* width x width: Y'Y = E' A^-1 E; owned                                      */
+    double *gram;        /* width x width: Y'Y = E' A^-1 E; owned                                      */
+    uint64_t generation; /* another one after columns were given up                              */
 } sn_unit_columns;
 
 void sn_unit_columns_free(sn_unit_columns *u); /* then empty */
