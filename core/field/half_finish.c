@@ -147,9 +147,10 @@ static sn_status open_rooms(finishing *job, const sn_run *run, sn_error *err)
 {
     const sn_tree_cut *tree = &job->c->order->tree;
     size_t width = (size_t)job->width;
-    int n_item = job->n_strip > tree->n_branch ? job->n_strip : tree->n_branch;
+    int n_strip = sn_run_count_at_once(run, job->n_strip),
+        n_branch = sn_run_count_at_once(run, tree->n_branch);
     job->room_size = (job->c->factor->maxesize + (size_t)tree->n_branch_row) * width;
-    job->n_room = sn_run_count_at_once(run, n_item);
+    job->n_room = n_strip > n_branch ? n_strip : n_branch;
     job->trunk = SN_NEW(double, (size_t)tree->n_trunk_row *width);
     job->room = SN_NEW(double, (size_t)job->n_room * job->room_size);
     job->is_taken = SN_NEW(atomic_bool, job->n_room);

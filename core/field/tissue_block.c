@@ -156,7 +156,8 @@ static sn_status go_back(block_job *j, const sn_run *run, sn_error *err)
     return st;
 }
 
-/* max |A x - b| / max |b| of the sum of all columns with signs: one product for all. */
+/* max |A x - b| of the sum of all columns with signs, one product for all, over the largest |b| of one: the
+ * right-hand sides of fat and of a single muscle may be the same. */
 static sn_status find_residual(const block_job *j, double *residual, sn_error *err)
 {
     size_t n = (size_t)j->s->n_free;
@@ -171,9 +172,10 @@ static sn_status find_residual(const block_job *j, double *residual, sn_error *e
         for (size_t u = 0; u < n; u++) x[u] += (k % 2 ? -1.0 : 1.0) * j->out[k][j->s->vertex_of[u]];
     memset(r, 0, n * sizeof *r);
     for (int32_t k = 0; k < j->n_go; k++)
-        for (int32_t e = j->rhs.ptr[j->go[k]]; e < j->rhs.ptr[j->go[k] + 1]; e++)
+        for (int32_t e = j->rhs.ptr[j->go[k]]; e < j->rhs.ptr[j->go[k] + 1]; e++) {
             r[j->rhs.index[e]] -= (k % 2 ? -1.0 : 1.0) * j->rhs.value[e];
-    for (size_t u = 0; u < n; u++) largest = fmax(largest, fabs(r[u]));
+            largest = fmax(largest, fabs(j->rhs.value[e]));
+        }
     sn_cholesky_add_product(j->system->cholesky, x, r);
     sn_low_rank_add_product(j->system->change, x, r);
     for (size_t u = 0; u < n; u++) worst = fmax(worst, fabs(r[u]));

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "field/cholesky_private.h"
 #include "field/half_cache.h"
 #include "field/iterative.h"
 #include "field/low_rank.h"
@@ -174,6 +175,35 @@ static void products_are_those_with_the_inverse(void **state)
     free(x);
     free_vectors(&u);
     free_vectors(&v);
+    free_system(&s);
+}
+
+/* Each supernode is in the trunk or in one branch; a branch is the whole of what is below its last one. */
+static void branches_and_trunk_are_all(void **state)
+{
+    (void)state;
+    system_of s = made_system(12);
+    const sn_tree_cut *t = &s.c->order->tree;
+    int32_t n = (int32_t)s.c->factor->nsuper, *count = calloc((size_t)n, sizeof *count), n_row = 0;
+    assert_true(t->n_branch > 1);
+    assert_true(t->n_trunk > 0);
+    for (int32_t i = 0; i < t->n_trunk; i++) {
+        int32_t k = t->trunk[i];
+        count[k]++;
+        for (SuiteSparse_long r = sn_supers(s.c->factor)[k]; r < sn_supers(s.c->factor)[k + 1]; r++)
+            assert_int_equal(t->trunk_row[r], n_row++);
+    }
+    assert_int_equal(t->n_trunk_row, n_row);
+    for (int32_t i = 0; i < t->n_branch; i++) {
+        const sn_branch *b = &t->branch[i];
+        assert_true(i == 0 || b->n_entry <= b[-1].n_entry);
+        for (int32_t k = b->from; k < b->to; k++) {
+            count[k]++;
+            assert_true(k == b->to - 1 || (t->parent[k] > k && t->parent[k] < b->to));
+        }
+    }
+    for (int32_t k = 0; k < n; k++) assert_int_equal(count[k], 1);
+    free(count);
     free_system(&s);
 }
 
@@ -527,6 +557,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(half_solves_finish_as_whole_ones),
         cmocka_unit_test(products_are_those_with_the_inverse),
+        cmocka_unit_test(branches_and_trunk_are_all),
         cmocka_unit_test(terms_come_and_go),
         cmocka_unit_test(rests_are_added),
         cmocka_unit_test(terms_that_take_away),

@@ -311,9 +311,25 @@ static void iterative_edits(void **state)
     sn_scene_destroy(s);
 }
 
+/* Fat and the only muscle have the same right-hand side. */
+static void one_muscle_follows_by_a_change(void **state)
+{
+    (void)state;
+    sn_scene *s = made_limb(0.25, 1);
+    sn_solve_report r = solve(s);
+    assert_true(r.tissue.residual < 1e-12);
+    assert_int_equal(sn_scene_set_point(s, 0, 0, 1, sn_v3(0.4, -2.9, 0.1), NULL), SN_OK);
+    r = solve(s);
+    assert_false(r.was_factorized);
+    assert_true(r.tissue.n_changed_rows > 0);
+    assert_true(r.tissue.residual < 1e-12);
+    sn_scene_destroy(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_muscle_follows_by_a_change),
         cmocka_unit_test(five_hundred_random_edits),
         cmocka_unit_test(exact_follows_quick),
         cmocka_unit_test(own_factors_are_kept),
