@@ -227,7 +227,8 @@ sn_status sn_iterative_solve(const sn_iterative *s, const double *b, double *x, 
                              const sn_run *run, sn_iterative_report *report, sn_error *err)
 {
     vectors v = {0};
-    sn_status st = vectors_init(&v, s, err);
+    sn_status st = sn_run_step(run, "iterating", -1.0, err); /* many of them may wait when it is stopped */
+    if (!st) st = vectors_init(&v, s, err);
     if (!st) st = sn_amg_apply(v.cycle, b, v.z, err); /* what the whole of b weighs */
     double enough = st ? 0.0 : tolerance * tolerance * dot(b, v.z, v.n);
     if (!st) {
