@@ -42,8 +42,8 @@ sn_status sn_cholesky_solve_held(const sn_cholesky *c, const int32_t *index, int
         st = sn_dense_solve_spd(block, n_index, source, n_rhs, err);
     }
     if (!st)
-        st =
-            sn_half_solve_finish(&(sn_half_term){h, source, n_index, NULL}, 1, n_rhs, column, NULL, run, err);
+        st = sn_half_solve_finish(c, &(sn_half_term){h, source, n_index, NULL}, 1, n_rhs, column, NULL, run,
+                                  err);
     sn_half_solve_destroy(h);
     sn_release(block);
     sn_release(source);
@@ -57,7 +57,7 @@ sn_status sn_cholesky_solve_few(const sn_cholesky *c, const int32_t *index, cons
     sn_half_solve *h;
     const int32_t ptr[2] = {0, n_entry};
     sn_status st = sn_half_solve_create(&h, c, &(sn_sparse_vectors){1, ptr, index, value}, run, err);
-    if (!st) st = sn_half_solve_finish(&(sn_half_term){.y = h}, 1, 1, &x, NULL, run, err);
+    if (!st) st = sn_half_solve_finish(c, &(sn_half_term){.y = h}, 1, 1, &x, NULL, run, err);
     sn_half_solve_destroy(h);
     return st;
 }

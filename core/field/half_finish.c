@@ -167,10 +167,9 @@ static void close_rooms(finishing *job)
     sn_release(job->is_taken);
 }
 
-sn_status sn_half_solve_finish(const sn_half_term *term, int32_t n_term, int32_t n_rhs, double *const *out,
-                               const int32_t *at, const sn_run *run, sn_error *err)
+sn_status sn_half_solve_finish(const sn_cholesky *c, const sn_half_term *term, int32_t n_term, int32_t n_rhs,
+                               double *const *out, const int32_t *at, const sn_run *run, sn_error *err)
 {
-    const sn_cholesky *c = term[0].y->c;
     finishing job = {.term = term,
                      .n_term = n_term,
                      .n_rhs = n_rhs,

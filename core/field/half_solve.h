@@ -40,10 +40,11 @@ typedef struct sn_half_term { /* Y times factor, or columns of Y */
     int32_t stride;       /* rows of what factor lies in: at least the columns of y                    */
     const int32_t *pick;  /* without a factor; n_rhs: column of y for each, -1 for none; NULL: their own */
 } sn_half_term;
-/* X = A^-1 sum B_t F_t, n_rhs columns. out[j]: column j; at: where each unknown goes in it (NULL: to its own
- * number). Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT; some columns may then be written. */
-SN_MUST_USE sn_status sn_half_solve_finish(const sn_half_term *term, int32_t n_term, int32_t n_rhs,
-                                           double *const *out, const int32_t *at, const sn_run *run,
-                                           sn_error *err);
+/* X = A^-1 sum B_t F_t, n_rhs columns, 0 without terms. c: that of the terms. out[j]: column j; at: where
+ * each unknown goes in it (NULL: to its own number). Errors: SN_ENOMEM, SN_ECANCEL, SN_ELIMIT; some columns
+ * may then be written. */
+SN_MUST_USE sn_status sn_half_solve_finish(const sn_cholesky *c, const sn_half_term *term, int32_t n_term,
+                                           int32_t n_rhs, double *const *out, const int32_t *at,
+                                           const sn_run *run, sn_error *err);
 
 #endif

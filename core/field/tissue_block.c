@@ -151,7 +151,9 @@ static sn_status go_back(block_job *j, const sn_run *run, sn_error *err)
         j->out[g] = j->b->field + (size_t)j->b->tissue[c] * (size_t)j->s->body->mesh.n_vert;
     }
     sn_status st = combine(j, &k, err);
-    if (!st) st = sn_half_solve_finish(k.term, k.n_term, j->n_go, j->out, j->s->vertex_of, run, err);
+    if (!st)
+        st = sn_half_solve_finish(j->system->cholesky, k.term, k.n_term, j->n_go, j->out, j->s->vertex_of,
+                                  run, err);
     free_combination(&k);
     return st;
 }

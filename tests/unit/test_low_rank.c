@@ -128,8 +128,8 @@ static void half_solves_finish_as_whole_ones(void **state)
             double **column = columns_of(got[t], s.n, n);
             assert_int_equal(sn_half_solve_create(&h, s.c, &b.v, &run, NULL), SN_OK);
             assert_int_equal(sn_half_solve_count(h), n);
-            assert_int_equal(sn_half_solve_finish(&(sn_half_term){.y = h}, 1, n, column, NULL, &run, NULL),
-                             SN_OK);
+            assert_int_equal(
+                sn_half_solve_finish(s.c, &(sn_half_term){.y = h}, 1, n, column, NULL, &run, NULL), SN_OK);
             sn_half_solve_destroy(h);
             free(column);
         }
@@ -246,7 +246,8 @@ static double *solve_changed(const system_of *s, const sn_low_rank *r, const vec
         free(product);
     }
     assert_int_equal(sn_low_rank_factor(r, b->v.n, seen, factor, NULL), SN_OK);
-    assert_int_equal(sn_half_solve_finish(term, 1 + e->n_part, b->v.n, column, NULL, NULL, NULL), SN_OK);
+    assert_int_equal(sn_half_solve_finish(s->c, term, 1 + e->n_part, b->v.n, column, NULL, NULL, NULL),
+                     SN_OK);
     sn_half_solve_destroy((sn_half_solve *)term[0].y);
     free(column);
     free(term);
@@ -431,7 +432,7 @@ static void assert_places(const sn_half_cache *h, const system_of *s, const vect
         for (int32_t p = 0; p < e->n_part; p++)
             term[n_term++] = (sn_half_term){
                 .y = e->part[p].y, .factor = rest + j * width + e->part[p].first, .stride = e->width};
-        assert_int_equal(sn_half_solve_finish(term, n_term, 1, &got, NULL, NULL, NULL), SN_OK);
+        assert_int_equal(sn_half_solve_finish(s->c, term, n_term, 1, &got, NULL, NULL, NULL), SN_OK);
         assert_same(got, x + j * n, n, 1e-12);
     }
     free(got);
@@ -501,6 +502,13 @@ static void near_half_solves_serve(void **state)
     need_half_solves(&h, &s, &of_columns, &other, &e, place);
     assert_int_equal(h.n_batch, 1);
     assert_int_equal(place[0].i_batch, -1);
+    of_columns.ptr[1] = 0; /* nothing at all: no column is needed */
+    sn_unit_columns_free(&e);
+    sn_half_cache_free(&h);
+    need_half_solves(&h, &s, &of_columns, &other, &e, place);
+    assert_int_equal(h.n_batch, 0);
+    need_half_solves(&h, &s, &all, key, &e, place);
+    assert_int_equal(sn_unit_columns_need(&e, near_one.index, 2, column, NULL, NULL), SN_OK);
     near_one.value[3] += 0.3; /* has no column */
     need_half_solves(&h, &s, &near_one, key, &e, place);
     assert_int_equal(h.n_batch, 2);
