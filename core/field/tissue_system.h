@@ -27,7 +27,7 @@ typedef struct sn_tissue_system { /* zero-initialised but for the factor; owned 
     uint64_t followed;            /* rows->revision of these; 0: none                           */
     sn_tissue_state *state;       /* n_state: the matrices that fields are of                   */
     int32_t n_state;
-    bool can_see; /* change has a probe for each row of these that went          */
+    bool can_see; /* change has columns for the unknowns of their rows that went */
 } sn_tissue_system;
 
 void sn_tissue_system_free(sn_tissue_system *s);
