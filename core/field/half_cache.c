@@ -68,40 +68,36 @@ static void add_vector(search *s, double sign, const sn_sparse_vectors *b, int32
     for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) s->difference[b->index[e]] += sign * b->value[e];
 }
 
-/* Moves the difference into rest; false, and rest as it was, when some of it has no column. */
-static bool take_difference(search *s, const sn_sparse_vectors *b, int32_t j, double *rest)
+/* Whether there is a column wherever the vector has an unknown and the difference is not 0. */
+static bool has_columns(const search *s, const sn_sparse_vectors *b, int32_t j)
 {
     bool ok = true;
-    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) {
-        int32_t u = b->index[e];
-        ok = ok && (s->difference[u] == 0.0 || s->column_of[u] >= 0);
-    }
-    for (int32_t e = b->ptr[j]; ok && e < b->ptr[j + 1]; e++) {
-        int32_t u = b->index[e];
-        if (s->difference[u] != 0.0) rest[s->column_of[u]] = s->difference[u];
-    }
-    for (int32_t e = b->ptr[j]; ok && e < b->ptr[j + 1]; e++) s->difference[b->index[e]] = 0.0;
+    for (int32_t e = b->ptr[j]; ok && e < b->ptr[j + 1]; e++)
+        ok = s->difference[b->index[e]] == 0.0 || s->column_of[b->index[e]] >= 0;
     return ok;
 }
 
-static void clear(search *s, const sn_sparse_vectors *b, int32_t j)
+/* The difference becomes 0 at the vector's unknowns; what it was goes to rest (NULL: nowhere). */
+static void clear(search *s, const sn_sparse_vectors *b, int32_t j, double *rest)
 {
-    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) s->difference[b->index[e]] = 0.0;
+    for (int32_t e = b->ptr[j]; e < b->ptr[j + 1]; e++) {
+        int32_t u = b->index[e];
+        if (rest && s->difference[u] != 0.0) rest[s->column_of[u]] = s->difference[u];
+        s->difference[u] = 0.0;
+    }
 }
 
-/* Whether vector j is that of `old` (NULL: nothing) but for unknowns with a column. */
+/* Whether vector j is that of `old` (NULL: nothing) but for unknowns with a column. rest, all 0, receives the
+ * difference. */
 static bool is_near(search *s, int32_t j, const sn_sparse_vectors *old, int32_t i, double *rest)
 {
     const sn_sparse_vectors *b = &s->w->b;
-    size_t room = (size_t)s->w->e->width * sizeof *rest;
     add_vector(s, 1.0, b, j);
     if (old) add_vector(s, -1.0, old, i);
-    bool ok = take_difference(s, b, j, rest) && (!old || take_difference(s, old, i, rest));
-    if (ok) return true;
-    clear(s, b, j);
-    if (old) clear(s, old, i);
-    if (room > 0) memset(rest, 0, room);
-    return false;
+    bool ok = has_columns(s, b, j) && (!old || has_columns(s, old, i));
+    clear(s, b, j, ok ? rest : NULL);
+    if (old) clear(s, old, i, ok ? rest : NULL);
+    return ok;
 }
 
 static sn_half_place find_place(const sn_half_cache *h, search *s, int32_t j, double *rest, bool *is_there)

@@ -54,12 +54,6 @@ static sn_status lay_out(sn_half_solve *h, sn_error *err)
     return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %lld x %d values", (long long)h->n_row, h->n_col);
 }
 
-typedef struct forward {
-    sn_half_solve *h;
-    int32_t n_chunk;
-    double *below; /* n_below x n_col */
-} forward;
-
 /* The value of a row (a column of the factor) in column j of y. */
 static double *place_in(const sn_half_solve *h, int32_t row, int32_t j)
 {
@@ -95,6 +89,12 @@ static void eliminate(sn_half_solve *h, size_t k, int32_t from, int32_t to, doub
             at[(size_t)j * (size_t)h->n_row] -= below[(size_t)j * (size_t)under + (size_t)i];
     }
 }
+
+typedef struct forward {
+    sn_half_solve *h;
+    int32_t n_chunk;
+    double *below; /* n_below x n_col */
+} forward;
 
 static sn_status go_forward(void *user, int32_t i_chunk, const sn_run *run, sn_error *err)
 {

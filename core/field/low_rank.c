@@ -9,7 +9,8 @@
 /* The unknowns that terms touch are numbered 0 .. n - 1. */
 struct sn_low_rank {
     sn_unit_columns e;
-    int32_t n, *column;        /* n: where each is among the columns                            */
+    int32_t n, *unknown;       /* n: those touched; behind them the probes that are not among them */
+    int32_t *column;           /* n: where each is among the columns                            */
     int32_t n_term, *ptr, *at; /* n_term + 1, ptr[n_term]: touched unknowns of the terms, once each */
     double *value, *weight;    /* ptr[n_term], n_term                                           */
     double *g;                 /* width x n: the columns of the Gram matrix                     */
@@ -20,6 +21,7 @@ struct sn_low_rank {
 static void drop_terms(sn_low_rank *r)
 {
     sn_unit_columns e = r->e;
+    sn_release(r->unknown);
     sn_release(r->column);
     sn_release(r->ptr);
     sn_release(r->at);
@@ -58,16 +60,15 @@ static int32_t find_or_append(int32_t *list, int32_t *n, int32_t x)
     return i;
 }
 
-/* Copies the terms. unknown: receives those that they touch, then the probes that are not among them.
- * Returns how many. */
-static int32_t take_terms(sn_low_rank *r, const sn_low_rank_terms *t, int32_t *unknown)
+/* Copies the terms. Returns how many unknowns there are with the probes. */
+static int32_t take_terms(sn_low_rank *r, const sn_low_rank_terms *t)
 {
     int32_t n = 0;
     r->ptr[0] = 0;
     for (int32_t j = 0; j < t->u.n; j++) {
         int32_t end = r->ptr[j];
         for (int32_t e = t->u.ptr[j]; e < t->u.ptr[j + 1]; e++) {
-            int32_t i = find_or_append(unknown, &n, t->u.index[e]), k = r->ptr[j];
+            int32_t i = find_or_append(r->unknown, &n, t->u.index[e]), k = r->ptr[j];
             while (k < end && r->at[k] != i) k++;
             if (k == end) {
                 r->value[end] = 0.0;
@@ -80,15 +81,8 @@ static int32_t take_terms(sn_low_rank *r, const sn_low_rank_terms *t, int32_t *u
     }
     r->n_term = t->u.n;
     r->n = n;
-    for (int32_t i = 0; i < t->n_probe; i++) (void)find_or_append(unknown, &n, t->probe[i]);
+    for (int32_t i = 0; i < t->n_probe; i++) (void)find_or_append(r->unknown, &n, t->probe[i]);
     return n;
-}
-
-static double term_times(const sn_low_rank *r, int32_t j, const double *x)
-{
-    double sum = 0.0;
-    for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) sum += r->value[e] * x[r->at[e]];
-    return sum;
 }
 
 /* s := I + G M, term by term: M is the sum of w u u'. gu: room for n. */
@@ -128,30 +122,27 @@ static sn_status factorize(sn_low_rank *r, sn_error *err)
     return st;
 }
 
-static sn_status set_terms(sn_low_rank *r, const sn_low_rank_terms *t, int32_t *unknown, const sn_run *run,
-                           sn_error *err)
+static sn_status set_terms(sn_low_rank *r, const sn_low_rank_terms *t, const sn_run *run, sn_error *err)
 {
     size_t n_entry = (size_t)t->u.ptr[t->u.n], most = n_entry + (size_t)t->n_probe;
+    r->unknown = SN_NEW(int32_t, most);
     r->column = SN_NEW(int32_t, most);
     r->ptr = SN_NEW(int32_t, (size_t)t->u.n + 1);
     r->at = SN_NEW(int32_t, n_entry);
     r->value = SN_NEW(double, n_entry);
     r->weight = SN_NEW(double, t->u.n);
-    if (!unknown || !r->column || !r->ptr || !r->at || !r->value || !r->weight)
+    if (!r->unknown || !r->column || !r->ptr || !r->at || !r->value || !r->weight)
         return sn_fail(err, SN_ENOMEM, "cholesky: no memory for %d terms", t->u.n);
-    int32_t n = take_terms(r, t, unknown);
-    sn_status st = sn_unit_columns_need(&r->e, unknown, n, r->column, run, err);
+    int32_t n = take_terms(r, t);
+    sn_status st = sn_unit_columns_need(&r->e, r->unknown, n, r->column, run, err);
     return st ? st : factorize(r, err);
 }
 
 sn_status sn_low_rank_set(sn_low_rank *r, const sn_low_rank_terms *terms, const sn_run *run, sn_error *err)
 {
-    size_t most = (size_t)terms->u.ptr[terms->u.n] + (size_t)terms->n_probe;
-    int32_t *unknown = SN_NEW(int32_t, most);
     drop_terms(r);
-    sn_status st = set_terms(r, terms, unknown, run, err);
+    sn_status st = set_terms(r, terms, run, err);
     if (st) drop_terms(r);
-    sn_release(unknown);
     return st;
 }
 
@@ -167,12 +158,16 @@ const sn_unit_columns *sn_low_rank_columns(const sn_low_rank *r)
 
 /* ---- right-hand sides ---- */
 
-/* y += scale M x, on the unknowns touched. */
-static void add_product(const sn_low_rank *r, double scale, const double *x, double *y)
+/* y += scale M x. place: n, where each unknown touched is in x and y; NULL: they have only these. */
+static void add_product(const sn_low_rank *r, double scale, const int32_t *place, const double *x, double *y)
 {
     for (int32_t j = 0; j < r->n_term; j++) {
-        double sum = scale * r->weight[j] * term_times(r, j, x);
-        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++) y[r->at[e]] += sum * r->value[e];
+        double sum = 0.0;
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
+            sum += r->value[e] * x[place ? place[r->at[e]] : r->at[e]];
+        sum *= scale * r->weight[j];
+        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
+            y[place ? place[r->at[e]] : r->at[e]] += sum * r->value[e];
     }
 }
 
@@ -195,7 +190,7 @@ static sn_status solve_touched(const sn_low_rank *r, int32_t n_rhs, const double
     for (size_t j = 0; j < (size_t)n_rhs; j++)
         for (size_t i = 0; i < n; i++) s[j * n + i] = seen[j * width + (size_t)r->column[i]];
     sn_status st = sn_dense_solve_factorized(r->s, r->n, r->pivot, s, n_rhs, err);
-    for (size_t j = 0; !st && j < (size_t)n_rhs; j++) add_product(r, -1.0, s + j * n, minus_ms + j * n);
+    for (size_t j = 0; !st && j < (size_t)n_rhs; j++) add_product(r, -1.0, NULL, s + j * n, minus_ms + j * n);
     return st;
 }
 
@@ -223,11 +218,5 @@ sn_status sn_low_rank_factor(const sn_low_rank *r, int32_t n_rhs, double *seen, 
 
 void sn_low_rank_add_product(const sn_low_rank *r, const double *x, double *y)
 {
-    for (int32_t j = 0; j < r->n_term; j++) {
-        double sum = 0.0;
-        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
-            sum += r->value[e] * x[r->e.unknown[r->column[r->at[e]]]];
-        for (int32_t e = r->ptr[j]; e < r->ptr[j + 1]; e++)
-            y[r->e.unknown[r->column[r->at[e]]]] += r->weight[j] * r->value[e] * sum;
-    }
+    add_product(r, 1.0, r->unknown, x, y);
 }
